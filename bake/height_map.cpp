@@ -1,0 +1,151 @@
+#include <Imath/half.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "bake/isolated.h"
+#include "bake/load.h"
+#include "runtime/error.h"
+
+namespace apertura {
+namespace {
+
+constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
+constexpr int64_t kMostTexels = int64_t(1) << 27;  // 11 600 squared; a mesh of it would fill 10 GiB
+
+struct HeightMap {
+    int width = 0, height = 0;
+    std::vector<float> values;  // row by row from the north-west; NaN where there is no data
+};
+
+// GDAL writes NoData as an ASCII tag of its own (42113), OpenImageIO as an attribute of that name.
+float noDataValue(const OIIO::ImageSpec& spec) {
+    for (const char* key : {"GDAL_NODATA", "nodata", "oiio:nodata"}) {
+        const std::string text = spec.get_string_attribute(key);
+        if (text.empty()) continue;
+        try {
+            return std::stof(text);
+        } catch (const std::exception&) {
+        }
+    }
+    return kVoid;
+}
+
+// One component as it stands in the file: integers are counts, not shares of their range.
+double component(const unsigned char* bytes, const OIIO::TypeDesc& type) {
+    auto load = [bytes](auto value) {
+        std::memcpy(&value, bytes, sizeof value);
+        return double(value);
+    };
+    switch (type.basetype) {
+        case OIIO::TypeDesc::UINT8: return load(uint8_t{});
+        case OIIO::TypeDesc::INT8: return load(int8_t{});
+        case OIIO::TypeDesc::UINT16: return load(uint16_t{});
+        case OIIO::TypeDesc::INT16: return load(int16_t{});
+        case OIIO::TypeDesc::UINT32: return load(uint32_t{});
+        case OIIO::TypeDesc::INT32: return load(int32_t{});
+        case OIIO::TypeDesc::HALF: {
+            half h;
+            std::memcpy(&h, bytes, sizeof h);
+            return float(h);
+        }
+        case OIIO::TypeDesc::FLOAT: return load(float{});
+        case OIIO::TypeDesc::DOUBLE: return load(double{});
+        default: throw Error("has an unknown pixel type");
+    }
+}
+
+HeightMap readHeights(const std::string& path, const HeightMapOptions& options) {
+    OIIO::ImageSpec hints;
+    hints.attribute("oiio:UnassociatedAlpha", 1);
+    auto in = OIIO::ImageInput::open(path, &hints);
+    auto line = [](std::string cause) {
+        std::replace(cause.begin(), cause.end(), '\n', ' ');
+        while (!cause.empty() && cause.back() == ' ') cause.pop_back();
+        return cause.empty() ? std::string("damaged") : cause;
+    };
+    if (!in) throw Error("cannot be read as an image: " + line(OIIO::geterror()));
+    const OIIO::ImageSpec spec = in->spec();
+    if (spec.width < 2 || spec.height < 2)
+        throw Error("a height map needs at least 2 x 2 texels, this has " + std::to_string(spec.width) + " x "
+                    + std::to_string(spec.height));
+    if (int64_t(spec.width) * spec.height > kMostTexels)
+        throw Error("" + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " texels are too many");
+    const int channels = spec.nchannels;
+    if (options.terrainRgb && (channels < 3 || spec.format != OIIO::TypeDesc::UINT8))
+        throw Error("Terrain-RGB needs three 8-bit channels");
+    if (!options.terrainRgb && channels > 2)
+        throw Error("has " + std::to_string(channels)
+                    + " channels where a height map has one; for Terrain-RGB give --terrain-rgb");
+    if (channels > 16) throw Error("has too many channels");
+
+    // A file of a few bytes can claim any size: memory follows what can be read.
+    const size_t rowBytes = size_t(spec.width) * channels * spec.format.size();
+    const bool tiled = spec.tile_width > 0;
+    std::vector<unsigned char> raw(tiled ? rowBytes * spec.height : rowBytes);
+    HeightMap map{spec.width, spec.height, {}};
+    const float nothing = noDataValue(spec);
+    if (tiled && !in->read_image(0, 0, 0, channels, spec.format, raw.data()))
+        throw Error("cannot be read: " + line(in->geterror()));
+    for (int y = 0; y < spec.height; ++y) {
+        if (!tiled && !in->read_scanline(spec.y + y, 0, spec.format, raw.data()))
+            throw Error("cannot be read: " + line(in->geterror()));
+        for (int x = 0; x < spec.width; ++x) {
+            const size_t texel = (tiled ? size_t(y) * spec.width : 0) + x;
+            auto value = [&](int c) {
+                return component(&raw[(texel * channels + c) * spec.format.size()], spec.format);
+            };
+            float height = float(options.terrainRgb ? -10000 + 0.1 * (65536 * value(0) + 256 * value(1) + value(2))
+                                                    : value(0));
+            const bool transparent = !options.terrainRgb && channels == 2 && value(1) == 0;
+            if (height == nothing || !std::isfinite(height) || transparent) height = kVoid;
+            map.values.push_back(height);
+        }
+    }
+    return map;
+}
+
+}  // namespace
+
+Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
+    Parcel parcel = runIsolated(path, secondsFor(path, 20), [&](Parcel& out) {
+        const HeightMap read = readHeights(path, options);
+        out.put(&read.width, 1);
+        out.put(&read.height, 1);
+        out.put(read.values);
+    });
+    HeightMap map;
+    map.width = parcel.take<int>()[0];
+    map.height = parcel.take<int>()[0];
+    map.values = parcel.take<float>();
+    Scene scene;
+    scene.name = path;
+    Surface surface;
+    const double x0 = -0.5 * (map.width - 1) * options.spacingX, z0 = -0.5 * (map.height - 1) * options.spacingZ;
+    std::vector<uint32_t> vertex(map.values.size(), UINT32_MAX);
+    auto at = [&](int x, int y) { return size_t(y) * map.width + x; };
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x)
+            if (const float h = map.values[at(x, y)]; !std::isnan(h)) {
+                vertex[at(x, y)] = uint32_t(surface.positions.size());
+                surface.positions.emplace_back(float(x0 + x * options.spacingX), float(h * options.verticalScale),
+                                               float(z0 + y * options.spacingZ));
+            }
+    for (int y = 0; y + 1 < map.height; ++y)
+        for (int x = 0; x + 1 < map.width; ++x) {
+            const uint32_t a = vertex[at(x, y)], b = vertex[at(x + 1, y)], c = vertex[at(x, y + 1)],
+                           d = vertex[at(x + 1, y + 1)];
+            if (a != UINT32_MAX && b != UINT32_MAX && c != UINT32_MAX) surface.triangles.push_back({a, c, b});
+            if (b != UINT32_MAX && c != UINT32_MAX && d != UINT32_MAX) surface.triangles.push_back({b, c, d});
+        }
+    makeNormals(surface);
+    scene.surfaces.push_back(std::move(surface));
+    scene.instances.push_back({0});
+    validate(scene);
+    return scene;
+}
+
+}  // namespace apertura

@@ -1,0 +1,58 @@
+#pragma once
+// The error of the visibility models against ray-traced truth.
+#include <string>
+#include <vector>
+
+#include "bake/receivers.h"
+#include "runtime/asset.h"
+#include "sh/models.h"
+#include "sh/vertex_visibility.h"
+
+namespace apertura {
+
+struct MeasureOptions {
+    std::vector<ModelInfo> models{std::begin(kModels), std::end(kModels)};
+    std::vector<double> lightRadii{0.27, 1, 5, 15, 30};  // degrees, above 0, at most 45
+    int receivers = 600;
+    int rays = 4096;          // a receiver, for the models made at the receivers
+    int lightSamples = 256;   // rays a light and receiver, for the truth
+    uint32_t seed = 1;
+    int threads = 0;
+};
+
+// Errors of E / (L pi sin^2 r) over all receivers and lights.
+struct MeasureRow {
+    std::string model;
+    std::string source;  // sh or rays
+    int numbers = 0;     // stored a point that the model uses
+    int bytes = 0;       // a point
+    double lightRadius = 0;  // degrees
+    double rmse = 0, bias = 0, max = 0;
+    double rmsTruth = 0;  // of the truth itself
+    double noise = 0;     // of the truth's own sampling, as an rmse
+};
+
+// How an aperture or the light through it changes on its way, against the one at the receiver.
+struct PathRow {
+    std::string stage;   // which step of the way
+    std::string source;  // sh: four coefficients travel; rays: the aperture itself does
+    double directionRms = 0, directionMax = 0;  // degrees between the axes
+    double radiusRms = 0, radiusMax = 0;        // degrees
+    double irradianceRms = 0;                   // of `aperture`'s E / (L pi sin^2 r), light radius 5 degrees
+};
+
+struct Measurement {
+    std::string scene;
+    int receivers = 0;
+    std::vector<MeasureRow> rows;
+    std::vector<PathRow> paths;
+};
+
+// Each model made at the receivers themselves, from coefficients and straight from the rays: the model's
+// own error; and where the two sources part. Throws Error, Cancelled.
+Measurement measureScene(const Scene& scene, const MeasureOptions& options, const Progress& progress = {});
+
+// Each model interpolated from what the asset stores, as the renderer does: the whole error.
+Measurement measureAsset(const Asset& asset, const MeasureOptions& options, const Progress& progress = {});
+
+}  // namespace apertura

@@ -1,0 +1,33 @@
+#pragma once
+#include <atomic>
+#include <mutex>
+
+#include "bake/tracer.h"
+
+namespace apertura {
+
+// Progress of work that several threads share: reports from whichever thread comes by, one at a time, and
+// stops everybody when told to.
+class Watch {
+public:
+    Watch(const Progress& progress, size_t total) : progress_(progress), total_(total) {}
+    void add(size_t n) {
+        const size_t done = done_ += n;
+        if (!progress_ || stopped_) return;
+        if (std::unique_lock lock(mutex_, std::try_to_lock); lock)
+            if (!progress_(double(done) / double(total_))) stopped_ = true;
+    }
+    bool stopped() const { return stopped_; }
+    void throwIfStopped() const {
+        if (stopped_) throw Cancelled{};
+    }
+
+private:
+    const Progress& progress_;
+    size_t total_;
+    std::atomic<size_t> done_ = 0;
+    std::atomic<bool> stopped_ = false;
+    std::mutex mutex_;
+};
+
+}  // namespace apertura

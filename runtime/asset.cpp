@@ -1,0 +1,266 @@
+#include "runtime/asset.h"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <map>
+
+#include "runtime/file.h"
+#include "runtime/gltf.h"
+#include "sh/packing.h"
+
+namespace apertura {
+namespace {
+
+using tinygltf::Model;
+using tinygltf::Value;
+const char* const kAttribute = "_VISIBILITY";
+
+// Appends `bytes` as a view of buffer 0, aligned to 4; returns the view's index.
+int addView(Model& model, const void* bytes, size_t size, int target) {
+    auto& data = model.buffers[0].data;
+    data.resize((data.size() + 3) / 4 * 4);
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = data.size();
+    view.byteLength = size;
+    view.target = target;
+    const auto* first = static_cast<const unsigned char*>(bytes);
+    data.insert(data.end(), first, first + size);
+    model.bufferViews.push_back(view);
+    return int(model.bufferViews.size()) - 1;
+}
+
+template <typename T>
+int addAccessor(Model& model, const std::vector<T>& values, int componentType, int type, int target,
+                bool normalized = false) {
+    tinygltf::Accessor accessor;
+    accessor.bufferView = addView(model, values.data(), values.size() * sizeof(T), target);
+    accessor.componentType = componentType;
+    accessor.type = type;
+    accessor.count = values.size();
+    accessor.normalized = normalized;
+    model.accessors.push_back(accessor);
+    return int(model.accessors.size()) - 1;
+}
+
+int addVectors(Model& model, const std::vector<glm::vec3>& values) {
+    return addAccessor(model, values, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, TINYGLTF_TARGET_ARRAY_BUFFER);
+}
+
+int addIndices(Model& model, const Surface& surface) {
+    if (surface.positions.size() >= 65535) {
+        std::vector<uint32_t> wide;
+        for (const auto& t : surface.triangles) wide.insert(wide.end(), t.begin(), t.end());
+        return addAccessor(model, wide, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
+                           TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    }
+    std::vector<uint16_t> narrow;
+    for (const auto& t : surface.triangles) narrow.insert(narrow.end(), t.begin(), t.end());
+    return addAccessor(model, narrow, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_SCALAR,
+                       TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+}
+
+void addCamera(Model& model, const Camera& view) {
+    tinygltf::Camera camera;
+    camera.type = "perspective";
+    camera.perspective.yfov = view.verticalFov;
+    camera.perspective.znear = 0.01;
+    model.cameras.push_back(camera);
+    const glm::dvec3 back = glm::normalize(glm::dvec3(view.eye - view.target));
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back)), up = glm::cross(back, right);
+    tinygltf::Node node;
+    node.name = "camera";
+    node.camera = 0;
+    node.matrix = {right.x, right.y, right.z, 0, up.x, up.y, up.z, 0, back.x, back.y, back.z, 0,
+                   view.eye.x, view.eye.y, view.eye.z, 1};
+    model.scenes[0].nodes.push_back(int(model.nodes.size()));
+    model.nodes.push_back(node);
+}
+
+// A document for a scene that has none; sets the instances' places in it.
+Model makeDocument(Scene& scene) {
+    Model model;
+    model.asset.version = "2.0";
+    model.buffers.emplace_back();
+    model.scenes.emplace_back();
+    model.defaultScene = 0;
+    for (const Surface& surface : scene.surfaces) {
+        tinygltf::Primitive primitive;
+        primitive.mode = TINYGLTF_MODE_TRIANGLES;
+        const int position = addVectors(model, surface.positions);
+        Box box;
+        for (const glm::vec3& p : surface.positions) box = {glm::min(box.low, p), glm::max(box.high, p)};
+        model.accessors[position].minValues = {box.low.x, box.low.y, box.low.z};
+        model.accessors[position].maxValues = {box.high.x, box.high.y, box.high.z};
+        primitive.attributes["POSITION"] = position;
+        primitive.attributes["NORMAL"] = addVectors(model, surface.normals);
+        primitive.indices = addIndices(model, surface);
+        tinygltf::Mesh mesh;
+        mesh.primitives.push_back(primitive);
+        model.meshes.push_back(mesh);
+    }
+    for (Instance& instance : scene.instances) {
+        tinygltf::Node node;
+        node.mesh = instance.surface;
+        if (instance.toWorld != glm::mat4(1))
+            for (int i = 0; i < 16; ++i) node.matrix.push_back(instance.toWorld[i / 4][i % 4]);
+        instance.node = int(model.nodes.size());
+        instance.primitive = 0;
+        model.scenes[0].nodes.push_back(instance.node);
+        model.nodes.push_back(node);
+    }
+    if (scene.camera) addCamera(model, *scene.camera);
+    return model;
+}
+
+// A .glb holds one buffer: all of them, one behind the other, images included.
+void mergeBuffers(Model& model) {
+    std::vector<unsigned char> all;
+    std::vector<size_t> start;
+    for (const auto& buffer : model.buffers) {
+        all.resize((all.size() + 15) / 16 * 16);
+        start.push_back(all.size());
+        all.insert(all.end(), buffer.data.begin(), buffer.data.end());
+    }
+    for (auto& view : model.bufferViews)
+        if (view.buffer >= 0) {
+            view.byteOffset += start[view.buffer];
+            view.buffer = 0;
+        }
+    tinygltf::Buffer merged;
+    if (!model.buffers.empty()) merged = model.buffers[0];
+    merged.uri.clear();
+    merged.data = std::move(all);
+    model.buffers.assign(1, merged);
+    for (auto& image : model.images) {
+        if (image.bufferView >= 0 || image.image.empty()) continue;
+        if (image.mimeType.empty()) image.mimeType = image.image[0] == 0xFF ? "image/jpeg" : "image/png";
+        image.bufferView = addView(model, image.image.data(), image.image.size(), 0);
+        image.uri.clear();
+    }
+}
+
+Value describe(const BakeInfo& info) {
+    return Value(Value::Object{{"version", Value(info.version)},
+                               {"model", Value(info.model)},
+                               {"rays", Value(info.rays)},
+                               {"bits", Value(info.bits)},
+                               {"seed", Value(double(info.seed))},
+                               {"maxDistance", Value(info.maxDistance)},
+                               {"rayOffset", Value(info.rayOffset)},
+                               {"hemisphere", Value(info.hemisphere)}});
+}
+
+template <typename Packed>
+std::vector<Packed> packAll(const std::vector<Visibility>& points, const glm::mat3& toWorld, Packed (*pack)(const Visibility&)) {
+    std::vector<Packed> out;
+    out.reserve(points.size());
+    const glm::mat3 toLocal = glm::transpose(toWorld);
+    for (const Visibility& v : points) out.push_back(pack({toLocal * v.direction, v.area}));
+    return out;
+}
+
+}  // namespace
+
+void writeAsset(const std::string& path, const Scene& given, const BakedVisibility& visibility, const BakeInfo& info) {
+    PendingFile file(path);
+    Scene scene = given;
+    Model model = scene.document ? scene.document->model : makeDocument(scene);
+    mergeBuffers(model);
+    model.asset.generator = "Apertura " + info.version;
+    Value::Object extras;
+    if (model.asset.extras.IsObject()) extras = model.asset.extras.Get<Value::Object>();
+    extras["apertura"] = describe(info);
+    model.asset.extras = Value(extras);
+
+    // Of several nodes that share a mesh, all but the first get a copy of its primitives' lists.
+    std::map<int, int> owner;        // mesh -> first node
+    std::map<int, int> madeNormals;  // surface -> accessor
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        tinygltf::Node& node = model.nodes[instance.node];
+        if (const auto [first, fresh] = owner.try_emplace(node.mesh, instance.node);
+            !fresh && first->second != instance.node) {
+            const tinygltf::Mesh copy = model.meshes[node.mesh];
+            node.mesh = int(model.meshes.size());
+            model.meshes.push_back(copy);
+            owner[node.mesh] = instance.node;
+        }
+        tinygltf::Primitive& primitive = model.meshes[node.mesh].primitives[instance.primitive];
+        const Surface& surface = scene.surfaces[instance.surface];
+        const glm::mat3 rotation = rotationPart(instance.toWorld);
+        primitive.attributes[kAttribute] =
+            info.bits == 16
+                ? addAccessor(model, packAll<Packed16>(visibility[i], rotation, pack16), TINYGLTF_COMPONENT_TYPE_SHORT,
+                              TINYGLTF_TYPE_VEC4, TINYGLTF_TARGET_ARRAY_BUFFER, true)
+                : addAccessor(model, packAll<Packed8>(visibility[i], rotation, pack8), TINYGLTF_COMPONENT_TYPE_BYTE,
+                              TINYGLTF_TYPE_VEC4, TINYGLTF_TARGET_ARRAY_BUFFER, true);
+        if (surface.normalsMade) {
+            const auto [made, fresh] = madeNormals.try_emplace(instance.surface, -1);
+            if (fresh) made->second = addVectors(model, surface.normals);
+            primitive.attributes["NORMAL"] = made->second;
+        }
+    }
+    if (model.buffers[0].data.size() > std::numeric_limits<uint32_t>::max() - (1u << 24))
+        throw Error(path + ": the asset would be larger than the 4 GiB of a .glb");
+    std::ofstream out(file.name(), std::ios::binary);
+    const bool written = tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
+    out.close();
+    if (!written || !out) throw Error(path + ": cannot be written: " + std::strerror(errno));
+    file.commit();
+}
+
+bool hasVisibility(const Scene& scene) {
+    if (!scene.document) return false;
+    for (const auto& mesh : scene.document->model.meshes)
+        for (const auto& primitive : mesh.primitives)
+            if (primitive.attributes.contains(kAttribute)) return true;
+    return false;
+}
+
+Asset toAsset(Scene scene) {
+    Asset asset;
+    if (!hasVisibility(scene)) throw Error(scene.name + ": holds no baked visibility; make it with `apertura bake`");
+    const Model& model = scene.document->model;
+    for (const Instance& instance : scene.instances) {
+        const int mesh = model.nodes[instance.node].mesh;
+        const auto& attributes = model.meshes[mesh].primitives[instance.primitive].attributes;
+        const auto found = attributes.find(kAttribute);
+        if (found == attributes.end())
+            throw Error(scene.name + ": mesh " + std::to_string(mesh) + " holds no baked visibility");
+        const std::vector<float> values = readAccessor(model, found->second, 4, scene.name);
+        const glm::mat3 rotation = rotationPart(instance.toWorld);
+        std::vector<Visibility> points(values.size() / 4);
+        for (size_t i = 0; i < points.size(); ++i) {
+            points[i] = unpack(glm::vec4(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]));
+            points[i].direction = rotation * points[i].direction;
+        }
+        asset.visibility.push_back(std::move(points));
+        const int type = model.accessors[found->second].componentType;
+        asset.info.bits = type == TINYGLTF_COMPONENT_TYPE_SHORT ? 16 : 8;
+    }
+    if (model.asset.extras.IsObject() && model.asset.extras.Has("apertura")) {
+        const Value& stored = model.asset.extras.Get("apertura");
+        auto number = [&](const char* key, double fallback) {
+            return stored.Has(key) && stored.Get(key).IsNumber() ? stored.Get(key).GetNumberAsDouble() : fallback;
+        };
+        auto text = [&](const char* key) {
+            return stored.Has(key) && stored.Get(key).IsString() ? stored.Get(key).Get<std::string>() : std::string();
+        };
+        asset.info.version = text("version");
+        asset.info.model = text("model");
+        asset.info.rays = int(std::clamp(number("rays", 0), 0.0, 1e9));
+        asset.info.seed = uint32_t(std::clamp(number("seed", 0), 0.0, 4294967295.0));
+        asset.info.maxDistance = number("maxDistance", 0);
+        asset.info.rayOffset = number("rayOffset", 0);
+        asset.info.hemisphere = text("hemisphere");
+    }
+    asset.scene = std::move(scene);
+    return asset;
+}
+
+Asset readAsset(const std::string& path) { return toAsset(readGltf(path)); }
+
+}  // namespace apertura

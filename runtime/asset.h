@@ -1,0 +1,46 @@
+#pragma once
+// The asset: a glTF 2.0 file whose vertices carry visibility (sh/packing.h) as `_VISIBILITY`.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "runtime/scene.h"
+#include "sh/sh4.h"
+
+namespace apertura {
+
+// How the visibility was baked; stands in the file as asset.extras.apertura.
+struct BakeInfo {
+    std::string version;
+    std::string model = "sh";  // sh: the four coefficients; rays: area and mean direction from the rays
+    int rays = 256;            // a vertex
+    int bits = 8;              // a component
+    uint32_t seed = 1;
+    double maxDistance = 0;    // metres, 0 for no limit
+    double rayOffset = 0;      // metres that rays start above the surface
+    std::string hemisphere = "vertex normal";
+};
+
+// One Visibility a position, for each instance of the scene, in world directions.
+using BakedVisibility = std::vector<std::vector<Visibility>>;
+
+struct Asset {
+    Scene scene;
+    BakedVisibility visibility;
+    BakeInfo info;
+};
+
+// Writes `scene` with its visibility as .glb: a document that the scene came from keeps all its content;
+// instances of one mesh get an attribute each and share the rest. Throws Error naming `path`.
+void writeAsset(const std::string& path, const Scene& scene, const BakedVisibility& visibility, const BakeInfo& info);
+
+// Whether the file is a glTF that holds visibility. Throws Error where it cannot be read at all.
+bool hasVisibility(const Scene& scene);
+
+// The visibility that `scene`, read from a glTF file, carries. Throws Error naming it where it has none.
+Asset toAsset(Scene scene);
+
+// readGltf and toAsset.
+Asset readAsset(const std::string& path);
+
+}  // namespace apertura

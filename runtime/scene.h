@@ -1,0 +1,69 @@
+#pragma once
+// A scene as triangles: what the baker traces, the asset stores and the renderer draws.
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace apertura {
+
+struct GltfDocument;  // runtime/gltf.h
+
+// Triangles in a frame of their own; shared by instances.
+struct Surface {
+    std::vector<glm::vec3> positions;  // metres
+    std::vector<glm::vec3> normals;    // unit, one a position
+    std::vector<std::array<uint32_t, 3>> triangles;
+    bool normalsMade = false;  // the file had none
+    bool receives = true;      // `compare` spreads its receivers over it
+};
+
+struct Instance {
+    int surface = 0;
+    glm::mat4 toWorld{1};
+    int node = -1, primitive = -1;  // where it stands in the glTF document, where there is one
+};
+
+// A pinhole camera. Right-handed, +Y up.
+struct Camera {
+    glm::vec3 eye{0}, target{0, 0, -1};  // metres
+    float verticalFov = 0.7f;            // radians
+};
+
+struct Box {
+    glm::vec3 low{1e30f}, high{-1e30f};
+};
+
+struct Scene {
+    std::string name;  // the file as it was given, or builtin:NAME: errors begin with it
+    std::vector<Surface> surfaces;
+    std::vector<Instance> instances;
+    std::optional<Camera> camera;
+    std::vector<Box> receiverBoxes;    // where `compare` puts its receivers; everywhere when empty
+    bool skyAboveGround = false;       // `compare` lights it from above the horizontal; or else from everywhere
+    std::shared_ptr<GltfDocument> document;  // the glTF that it came from, content untouched
+};
+
+// The orthogonal part of a transform's 3 x 3 (polar decomposition; a reflection stays one): it takes
+// directions between a surface's frame and the world. Identity for a singular transform.
+glm::mat3 rotationPart(const glm::mat4& m);
+
+// What takes normals to the world, up to length. For a singular transform, its rotation part.
+glm::mat3 normalMatrix(const glm::mat4& m);
+
+Box worldBounds(const Scene& scene);
+size_t triangleCount(const Scene& scene);  // instances counted
+
+// The scene's own camera, or one that sees all of it from a little above.
+Camera viewOf(const Scene& scene);
+
+// Angle-weighted vertex normals; +Y where a vertex has no triangle of any area.
+void makeNormals(Surface& surface);
+
+// Throws Error, naming `scene.name`, unless there is a triangle and everything is finite and in range.
+void validate(const Scene& scene);
+
+}  // namespace apertura

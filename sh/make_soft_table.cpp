@@ -1,0 +1,41 @@
+// Writes the table that toSoft looks up: one full solve a node. Runs at build time.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "sh/soft_grid.h"
+#include "sh/soft_solve.h"
+
+using namespace apertura;
+
+int main(int argc, char** argv) {
+    if (argc != 2) return 2;
+    FILE* out = std::fopen(argv[1], "w");
+    if (!out) return 1;
+    constexpr double pi = std::numbers::pi;
+    std::fprintf(out, "// Made by make_soft_table: for each area and psi the hard boundary, then its nodes.\n");
+    for (int i = 0; i < soft_grid::kAreas; ++i) {
+        const double least = soft_grid::kLeastArea;
+        const double x = std::clamp((1 - std::cos(pi * i / (soft_grid::kAreas - 1))) / 2, least, 1 - least);
+        const double area = 2 * pi * x, haze = softLinkInverse(x);
+        const HardBoundary boundary(area);
+        for (int j = 0; j < soft_grid::kPsis; ++j) {
+            const double psi = pi * j / (soft_grid::kPsis - 1), edge = boundary(psi);
+            std::fprintf(out, "{%.8ef, {", edge);
+            for (int k = 0; k < soft_grid::kReaches; ++k) {
+                const double reach = std::max<double>(soft_grid::kReach * k / (soft_grid::kReaches - 1), 1e-4);
+                const double rho = 1 - (1 - reach) * (1 - reach);
+                const double length = rho * edge * area / 2 * (1 - x);
+                const SoftSolution s =
+                    solveSoft({area, area / 2 + length * std::cos(psi), length * std::sin(psi)});
+                const double sharp = std::hypot(s.n, s.t);
+                std::fprintf(out, "{%.8ef,%.8ef,%.8ef},", sharp * std::sqrt((1 - rho) * x * (1 - x)) / rho,
+                             std::remainder(std::atan2(s.t, s.n) - psi, 2 * pi),
+                             s.offset / std::sqrt(1 + haze * haze + sharp * sharp));
+            }
+            std::fprintf(out, "}},\n");
+        }
+    }
+    return std::fclose(out) == 0 ? 0 : 1;
+}

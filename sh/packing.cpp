@@ -1,0 +1,46 @@
+#include "sh/packing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace apertura {
+namespace {
+
+constexpr float kTwoPi = float(2 * std::numbers::pi);
+
+template <typename Int>
+std::array<Int, 4> pack(const Visibility& any) {
+    constexpr float top = std::numeric_limits<Int>::max();
+    const Visibility v = clampToPossible(any);
+    const Int w = Int(std::lround((2 * std::sqrt(v.area / kTwoPi) - 1) * top));
+    if (w == -Int(top)) return {0, 0, 0, w};
+    std::array<Int, 4> out{0, 0, 0, w};
+    for (int i = 0; i < 3; ++i)
+        out[i] = Int(std::lround(std::clamp(v.direction[i] / v.area, -1.0f, 1.0f) * top));
+    return out;
+}
+
+template <typename Int>
+Visibility unpackInts(const std::array<Int, 4>& p) {
+    constexpr float top = std::numeric_limits<Int>::max();
+    glm::vec4 normalised;
+    for (int i = 0; i < 4; ++i) normalised[i] = std::max(p[i] / top, -1.0f);
+    return unpack(normalised);
+}
+
+}  // namespace
+
+Packed8 pack8(const Visibility& v) { return pack<int8_t>(v); }
+Packed16 pack16(const Visibility& v) { return pack<int16_t>(v); }
+Visibility unpack(const Packed8& p) { return unpackInts(p); }
+Visibility unpack(const Packed16& p) { return unpackInts(p); }
+
+Visibility unpack(const glm::vec4& normalised) {
+    const float root = (normalised.w + 1) / 2;
+    const float area = kTwoPi * root * root;
+    return clampToPossible({glm::vec3(normalised) * area, area});
+}
+
+}  // namespace apertura

@@ -1,0 +1,36 @@
+#pragma once
+// The bytes of the asset's _VISIBILITY attribute: VEC4, normalised signed integers (glTF 2.0, 3.11),
+// x, y, z = D / A, w = 2 sqrt(A / 2 pi) - 1. A closed point (A = 0) is 0, 0, 0, -1.
+#include <array>
+#include <cstdint>
+
+#include "sh/sh4.h"
+
+namespace apertura {
+
+using Packed8 = std::array<int8_t, 4>;    // 4 bytes a point
+using Packed16 = std::array<int16_t, 4>;  // 8 bytes a point
+
+// Largest errors of unpack(pack(v)) for any possible v. `area` is of A / 2 pi; `direction` is of each
+// component of D / A. The angle between the axes is at most asin(sqrt(3) direction / |D / A|) radians.
+// A point that is open by less than `closed` of the hemisphere comes back closed.
+struct PackingError {
+    double area, direction, closed;
+};
+constexpr PackingError packingError(int bits) {
+    const double step = 1.0 / ((1 << (bits - 1)) - 1);
+    return {step / 2 + step * step / 16, step / 2 + 1e-6, step * step / 16};
+}
+
+// `v` is first clamped to what is possible (clampToPossible).
+Packed8 pack8(const Visibility& v);
+Packed16 pack16(const Visibility& v);
+
+// Total over all bit patterns: the result is always possible, -128 reads as -127.
+Visibility unpack(const Packed8& p);
+Visibility unpack(const Packed16& p);
+
+// The same from components as a vertex fetch or a glTF reader normalises them, -1..1.
+Visibility unpack(const glm::vec4& normalised);
+
+}  // namespace apertura

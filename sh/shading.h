@@ -1,0 +1,13 @@
+#pragma once
+// The lighting formulas of shaders/, as C++ through GLM: the same text that the GPU runs, in float32.
+#include <glm/glm.hpp>
+
+namespace apertura {
+
+using namespace glm;
+
+#define APERTURA_FN inline
+#include "shaders/models.glsl"
+#undef APERTURA_FN
+
+}  // namespace apertura

@@ -1,0 +1,73 @@
+#include "sh/soft.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sh/soft_grid.h"
+
+namespace apertura {
+namespace {
+
+struct Column {
+    float boundary;
+    soft_grid::Node nodes[soft_grid::kReaches];
+};
+const Column kTable[soft_grid::kAreas * soft_grid::kPsis] = {
+#include "soft_table.inc"
+};
+constexpr float kPi = std::numbers::pi_v<float>;
+
+// The node below coordinate c (0..1) on an axis of `nodes`, and the way to the next one.
+struct Cell {
+    int index;
+    float t;
+    Cell(float c, int nodes) {
+        const float scaled = std::clamp(c, 0.0f, 1.0f) * float(nodes - 1);
+        index = std::min(int(scaled), nodes - 2);
+        t = scaled - float(index);
+    }
+};
+
+}  // namespace
+
+SoftAperture toSoft(const Visibility& any, const vec3& normal) {
+    const Visibility v = clampToPossible(any);
+    const float x = std::clamp(v.area / (2 * kPi), soft_grid::kLeastArea, 1 - soft_grid::kLeastArea);
+    const float n = dot(v.direction, normal);
+    const vec3 across = v.direction - n * normal;
+    const float t = length(across);
+    const float above = n - kPi * x;
+    const float psi = std::atan2(t, above);
+
+    const Cell area(std::acos(1 - 2 * x) / kPi, soft_grid::kAreas), turn(psi / kPi, soft_grid::kPsis);
+    const float w[4] = {(1 - area.t) * (1 - turn.t), (1 - area.t) * turn.t, area.t * (1 - turn.t),
+                        area.t * turn.t};
+    const Column* first = &kTable[area.index * soft_grid::kPsis + turn.index];
+    const Column* columns[4] = {first, first + 1, first + soft_grid::kPsis, first + soft_grid::kPsis + 1};
+    float boundary = 0;
+    for (int c = 0; c < 4; ++c) boundary += w[c] * columns[c]->boundary;
+
+    float rho = std::sqrt(above * above + t * t) / (kPi * x * (1 - x) * boundary);
+    const float reach = std::min(1 - std::sqrt(1 - std::min(rho, 1.0f)), soft_grid::kReach);
+    rho = 1 - (1 - reach) * (1 - reach);
+    const Cell depth(reach / soft_grid::kReach, soft_grid::kReaches);
+    float sharpness = 0, lean = 0, offset = 0;
+    for (int c = 0; c < 4; ++c) {
+        const soft_grid::Node& a = columns[c]->nodes[depth.index];
+        const soft_grid::Node& b = columns[c]->nodes[depth.index + 1];
+        sharpness += w[c] * (a.sharpness + depth.t * (b.sharpness - a.sharpness));
+        lean += w[c] * (a.lean + depth.t * (b.lean - a.lean));
+        offset += w[c] * (a.offset + depth.t * (b.offset - a.offset));
+    }
+    const float variance = x * (1 - x);
+    const float slope = sharpness * rho / std::sqrt((1 - rho) * variance);
+    // softLinkInverse(x)^2 + 1, in closed form
+    const float haze = 1 / (4 * variance);
+    const float tilt = psi + lean;
+    const vec3 side = t > 0 ? across / t : vec3(0);
+    return {slope * (std::cos(tilt) * normal + std::sin(tilt) * side),
+            offset * std::sqrt(haze + slope * slope)};
+}
+
+}  // namespace apertura

@@ -1,0 +1,76 @@
+#include <cstdio>
+#include <filesystem>
+
+#include "bake/bake.h"
+#include "runtime/asset.h"
+#include "runtime/error.h"
+#include "runtime/file.h"
+#include "tools/commands.h"
+#include "tools/terminal.h"
+
+namespace apertura {
+namespace {
+
+struct Arguments {
+    std::string scene, out, model = "sh";
+    HeightMapOptions map;
+    BakeOptions bake;
+    int bits = 8;
+};
+
+void run(const Arguments& a) {
+    if (std::filesystem::path(a.out).extension() != ".glb") throw CLI::ValidationError("-o " + a.out + " does not end in .glb");
+    PendingFile(a.out);  // says now, not after the rays, that it cannot be written
+    const Scene scene = loadScene(a.scene, a.map);
+    BakeInfo info;
+    info.version = APERTURA_VERSION;
+    info.model = a.model;
+    info.rays = a.bake.rays;
+    info.bits = a.bits;
+    info.seed = a.bake.seed;
+    info.maxDistance = a.bake.maxDistance;
+    BakedVisibility visibility;
+    {
+        ProgressBar bar("baking");
+        const Progress progress = bar.callback();
+        const Tracer tracer(scene, progress);
+        info.rayOffset = tracer.offset();
+        visibility = bakeVertices(scene, tracer, a.bake, progress);
+    }
+    writeAsset(a.out, scene, visibility, info);
+    size_t vertices = 0;
+    for (const auto& points : visibility) vertices += points.size();
+    std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %d bytes a vertex\n", a.out.c_str(), vertices,
+                triangleCount(scene), a.bake.rays, a.bits / 2);
+}
+
+}  // namespace
+
+void addBakeCommand(CLI::App& program) {
+    auto a = std::make_shared<Arguments>();
+    CLI::App& command = *program.add_subcommand("bake", "ray trace what each vertex sees of the sky, into a glTF asset");
+    command.footer("Example: apertura bake statue.obj -o statue.glb --rays 1024");
+    command.add_option("SCENE", a->scene, ".glb .gltf .obj .ply .stl, a height map .png .tif .exr, or builtin:NAME")->required();
+    command.add_option("-o", a->out, "the asset, .glb")->required()->type_name("OUT.glb");
+    command.add_option("--rays", a->bake.rays, "rays a vertex [256]")->check(CLI::Range(1, 1 << 20))->type_name("N");
+    command.add_option("--bits", a->bits, "bits a component: 8 for 4 bytes a vertex, 16 for 8 [8]")
+        ->check(CLI::IsMember({8, 16}))
+        ->type_name("8|16");
+    command.add_option("--max-distance", a->bake.maxDistance, "metres beyond which nothing blocks [no limit]")
+        ->check(CLI::Range(1e-30, 1e30))
+        ->type_name("M");
+    command.add_option("--seed", a->bake.seed, "of the rays' patterns [1]")->type_name("S");
+    command.add_option("--threads", a->bake.threads, "[all cores]; the result is the same for any number")
+        ->check(CLI::Range(1, 1024))
+        ->type_name("T");
+    command.add_option("--model", a->model, "sh: four coefficients; rays: area and mean direction from the rays [sh]")
+        ->check(CLI::IsMember({"sh", "rays"}))
+        ->type_name("sh|rays");
+    addHeightMapOptions(command, a->map);
+    command.callback([a] {
+        a->bake.model = a->model == "rays" ? BakeModel::Rays : BakeModel::Sh;
+        run(*a);
+    });
+}
+
+}  // namespace apertura

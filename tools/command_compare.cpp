@@ -1,0 +1,119 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "bake/measure.h"
+#include "runtime/error.h"
+#include "runtime/file.h"
+#include "tools/commands.h"
+#include "tools/terminal.h"
+
+namespace apertura {
+namespace {
+
+struct Arguments {
+    std::string scene, json;
+    std::vector<std::string> models;
+    HeightMapOptions map;
+    MeasureOptions measure;
+};
+
+nlohmann::ordered_json toJson(const Measurement& m) {
+    nlohmann::ordered_json rows = nlohmann::json::array(), paths = nlohmann::json::array();
+    for (const MeasureRow& r : m.rows)
+        rows.push_back({{"model", r.model},
+                        {"source", r.source},
+                        {"numbers", r.numbers},
+                        {"bytes", r.bytes},
+                        {"light_radius_deg", r.lightRadius},
+                        {"rmse", r.rmse},
+                        {"bias", r.bias},
+                        {"max", r.max},
+                        {"rms_truth", r.rmsTruth},
+                        {"noise", r.noise}});
+    for (const PathRow& p : m.paths)
+        paths.push_back({{"stage", p.stage},
+                         {"source", p.source},
+                         {"direction_deg_rms", p.directionRms},
+                         {"direction_deg_max", p.directionMax},
+                         {"radius_deg_rms", p.radiusRms},
+                         {"radius_deg_max", p.radiusMax},
+                         {"irradiance_rms", p.irradianceRms}});
+    nlohmann::ordered_json out{{"scene", m.scene}, {"receivers", m.receivers}, {"rows", rows}};
+    if (!m.paths.empty()) out["sh_and_rays"] = paths;
+    return out;
+}
+
+// One line a model and source, one column a light radius.
+void print(const Measurement& m, const std::vector<double>& radii) {
+    std::printf("%s: rmse of E / (L pi sin^2 r) at %d receivers, by light radius in degrees\n", m.scene.c_str(), m.receivers);
+    std::printf("%-10s %-5s %7s %6s", "model", "from", "numbers", "bytes");
+    for (double radius : radii) std::printf(" %8g", radius);
+    std::printf("\n");
+    for (size_t i = 0; i < m.rows.size(); i += radii.size()) {
+        const MeasureRow& first = m.rows[i];
+        std::printf("%-10s %-5s %7d %6d", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes);
+        for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].rmse);
+        std::printf("\n");
+    }
+    const auto footer = [&](const char* name, double MeasureRow::*field) {
+        std::printf("%-31s", name);
+        for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[k].*field);
+        std::printf("\n");
+    };
+    footer("rms of the truth", &MeasureRow::rmsTruth);
+    footer("the truth's own noise", &MeasureRow::noise);
+    if (m.paths.empty()) return;
+    std::printf("\nwhere sh and rays part: change against the receiver's own aperture\n");
+    std::printf("%-56s %-5s %17s %17s %8s\n", "", "from", "axis deg rms/max", "radius deg", "E rms");
+    for (const PathRow& p : m.paths)
+        std::printf("%-56s %-5s %8.3f %8.2f %8.3f %8.2f %8.4f\n", p.stage.c_str(), p.source.c_str(), p.directionRms,
+                    p.directionMax, p.radiusRms, p.radiusMax, p.irradianceRms);
+}
+
+void run(Arguments a) {
+    if (!a.models.empty()) {
+        a.measure.models.clear();
+        for (const std::string& name : a.models) {
+            const ModelInfo* model = findModel(name);
+            if (!model) throw CLI::ValidationError("--models: there is no model '" + name + "'");
+            a.measure.models.push_back(*model);
+        }
+    }
+    if (!a.json.empty()) PendingFile(a.json);  // says now that it cannot be written
+    Measurement result;
+    {
+        ProgressBar bar("comparing");
+        const Scene scene = loadScene(a.scene, a.map);
+        result = hasVisibility(scene) ? measureAsset(toAsset(scene), a.measure, bar.callback())
+                                      : measureScene(scene, a.measure, bar.callback());
+    }
+    if (!a.json.empty()) writeTextFile(a.json, toJson(result).dump(2) + "\n");
+    print(result, a.measure.lightRadii);
+}
+
+}  // namespace
+
+void addCompareCommand(CLI::App& program) {
+    auto a = std::make_shared<Arguments>();
+    CLI::App& command = *program.add_subcommand("compare", "the error of each model against ray-traced truth");
+    command.footer(
+        "Of a scene, the models are made at the receivers themselves: the model's own error. Of a baked asset they are\n"
+        "interpolated from what it stores, as the renderer does: the whole error.\n"
+        "Example: apertura compare builtin:statue --models aperture,soft --light-radii 1,5");
+    command.add_option("SCENE", a->scene, "a scene as for bake, or a baked asset")->required();
+    command.add_option("--models", a->models, "of ao, sh-l1, oat, aperture, soft [all]")->delimiter(',')->type_name("A,B,...");
+    command.add_option("--light-radii", a->measure.lightRadii, "degrees [0.27,1,5,15,30]")
+        ->delimiter(',')
+        ->check(CLI::Range(0.01, 45.0))
+        ->type_name("D,D,...");
+    command.add_option("--receivers", a->measure.receivers, "points on the surface [600]")
+        ->check(CLI::Range(1, 1000000))
+        ->type_name("N");
+    command.add_option("--seed", a->measure.seed, "of the receivers and the rays [1]")->type_name("S");
+    command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
+    command.add_option("--json", a->json, "write the table here too")->type_name("OUT");
+    addHeightMapOptions(command, a->map);
+    command.callback([a] { run(*a); });
+}
+
+}  // namespace apertura

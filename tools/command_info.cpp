@@ -1,0 +1,84 @@
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "runtime/asset.h"
+#include "sh/packing.h"
+#include "sh/shading.h"
+#include "tools/commands.h"
+
+namespace apertura {
+namespace {
+
+nlohmann::ordered_json describe(const std::string& file) {
+    const Asset asset = readAsset(file);
+    size_t vertices = 0, closed = 0;
+    double area = 0, cap = 0;
+    for (const auto& points : asset.visibility)
+        for (const Visibility& v : points) {
+            ++vertices;
+            closed += v.area <= 0;
+            area += v.area / (2 * PI);
+            cap += capness(v);
+        }
+    const PackingError error = packingError(asset.info.bits);
+    return {{"file", file},
+            {"version", asset.info.version},
+            {"model", asset.info.model},
+            {"rays", asset.info.rays},
+            {"seed", asset.info.seed},
+            {"max_distance", asset.info.maxDistance},
+            {"hemisphere", asset.info.hemisphere},
+            {"instances", asset.scene.instances.size()},
+            {"vertices", vertices},
+            {"triangles", triangleCount(asset.scene)},
+            {"bits", asset.info.bits},
+            {"bytes_per_vertex", asset.info.bits / 2},
+            {"mean_open", area / double(vertices)},
+            {"mean_capness", cap / double(vertices)},
+            {"closed_vertices", closed},
+            {"error_bounds",
+             {{"area_of_hemisphere", error.area},
+              {"direction_component", error.direction},
+              {"direction_degrees_of_a_cap", std::asin(std::sqrt(3.0) * error.direction / 0.5) * 180 / PI}}}};
+}
+
+void print(const nlohmann::ordered_json& d) {
+    const auto text = [&](const char* key) { return d[key].get<std::string>(); };
+    std::printf("%s: baked by Apertura %s\n", text("file").c_str(), text("version").c_str());
+    std::printf("  model         %s, %d rays a vertex, seed %u, hemisphere about the %s\n", text("model").c_str(),
+                d["rays"].get<int>(), d["seed"].get<unsigned>(), text("hemisphere").c_str());
+    if (d["max_distance"].get<double>() > 0) std::printf("  max distance  %g m\n", d["max_distance"].get<double>());
+    std::printf("  geometry      %zu vertices, %zu triangles, %zu instances\n", d["vertices"].get<size_t>(),
+                d["triangles"].get<size_t>(), d["instances"].get<size_t>());
+    std::printf("  stored        %d bytes a vertex, %d bits a component\n", d["bytes_per_vertex"].get<int>(), d["bits"].get<int>());
+    std::printf("  visibility    %.3f of the hemisphere open on average, capness %.3f, %zu vertices closed\n",
+                d["mean_open"].get<double>(), d["mean_capness"].get<double>(), d["closed_vertices"].get<size_t>());
+    const auto& e = d["error_bounds"];
+    std::printf("  error bounds  area %.5f of the hemisphere, direction %.5f a component of D/A (%.3f degrees for a cap)\n",
+                e["area_of_hemisphere"].get<double>(), e["direction_component"].get<double>(),
+                e["direction_degrees_of_a_cap"].get<double>());
+}
+
+}  // namespace
+
+void addInfoCommand(CLI::App& program) {
+    struct Arguments {
+        std::string file;
+        bool json = false;
+    };
+    auto a = std::make_shared<Arguments>();
+    CLI::App& command = *program.add_subcommand("info", "what an asset stores, its size a vertex, its error bounds");
+    command.footer("Example: apertura info statue.glb");
+    command.add_option("FILE", a->file, "a baked .glb")->required();
+    command.add_flag("--json", a->json, "as JSON");
+    command.callback([a] {
+        const auto description = describe(a->file);
+        if (a->json)
+            std::printf("%s\n", description.dump(2).c_str());
+        else
+            print(description);
+    });
+}
+
+}  // namespace apertura

@@ -1,0 +1,4 @@
+#include "tools/commands.h"
+namespace apertura {
+void addRenderCommand(CLI::App&) {}
+}  // namespace apertura

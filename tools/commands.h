@@ -1,0 +1,22 @@
+#pragma once
+// The verbs of the command line. Each adds its options to the program and says what to run.
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "bake/load.h"
+
+namespace apertura {
+
+void addBakeCommand(CLI::App& program);
+void addInfoCommand(CLI::App& program);
+void addRenderCommand(CLI::App& program);
+void addCompareCommand(CLI::App& program);
+
+// --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes.
+void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);
+
+// "2.5" or "2.5x3": two positive numbers. Throws CLI::ValidationError.
+void parsePair(const std::string& text, double& first, double& second);
+
+}  // namespace apertura

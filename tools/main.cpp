@@ -1,0 +1,43 @@
+#include <algorithm>
+#include <cstdio>
+#include <new>
+
+#include "runtime/error.h"
+#include "tools/commands.h"
+#include "tools/terminal.h"
+
+namespace {
+
+int fail(int code, std::string message) {
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    std::fprintf(stderr, "apertura: %s\n", message.c_str());
+    return code;
+}
+
+}  // namespace
+
+// Exit codes: 0 done, 1 the work failed, 2 wrong use, 130 stopped by the user.
+int main(int argc, char** argv) {
+    CLI::App program{"Ambient aperture lighting from four spherical-harmonics coefficients", "apertura"};
+    program.set_version_flag("--version", "apertura " APERTURA_VERSION);
+    program.require_subcommand(1);
+    apertura::addBakeCommand(program);
+    apertura::addInfoCommand(program);
+    apertura::addRenderCommand(program);
+    apertura::addCompareCommand(program);
+    apertura::catchInterrupts();
+    try {
+        program.parse(argc, argv);
+        return 0;
+    } catch (const CLI::Success& help) {
+        return program.exit(help);
+    } catch (const CLI::ParseError& error) {
+        return fail(2, std::string(error.what()) + " (see apertura --help)");
+    } catch (const apertura::Cancelled&) {
+        return fail(130, "stopped; nothing was written");
+    } catch (const std::bad_alloc&) {
+        return fail(1, "not enough memory");
+    } catch (const std::exception& error) {
+        return fail(1, error.what());
+    }
+}

@@ -1,0 +1,54 @@
+#include "tools/terminal.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+
+namespace apertura {
+namespace {
+
+volatile std::sig_atomic_t stopAsked = 0;  // all that a signal handler may touch
+
+}  // namespace
+
+void catchInterrupts() {
+    struct sigaction action {};
+    action.sa_handler = [](int) { stopAsked = 1; };
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() { return stopAsked != 0; }
+
+ProgressBar::ProgressBar(std::string label)
+    : label_(std::move(label)), terminal_(isatty(STDERR_FILENO) != 0), start_(std::chrono::steady_clock::now()) {}
+
+ProgressBar::~ProgressBar() {
+    if (drawn_) std::fputs("\r\033[K", stderr);
+}
+
+Progress ProgressBar::callback() {
+    return [this](double share) {
+        if (terminal_) draw(share);
+        return !interrupted();
+    };
+}
+
+void ProgressBar::draw(double share) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(100)) return;
+    last_ = now;
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    const int width = 30, filled = int(std::clamp(share, 0.0, 1.0) * width);
+    std::string bar(size_t(filled), '#');
+    bar.resize(width, '.');
+    std::fprintf(stderr, "\r%s [%s] %3.0f %%", label_.c_str(), bar.c_str(), 100 * share);
+    if (share > 0.01 && elapsed > 0.5) std::fprintf(stderr, ", %.0f s left\033[K", elapsed * (1 - share) / share);
+    std::fflush(stderr);
+    drawn_ = true;
+}
+
+}  // namespace apertura
