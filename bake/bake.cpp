@@ -51,13 +51,19 @@ glm::mat3 frameAbout(const glm::vec3& normal, double angle) {
     return {c * u + s * v, c * v - s * u, normal};
 }
 
-std::vector<glm::vec3> hemisphereLattice(int n) {
+std::vector<glm::vec3> capLattice(int n, double h) {
+    // Fibonacci's lattice: even steps of height, turned by the golden angle.
     const double golden = kPi * (3 - std::sqrt(5.0));
     std::vector<glm::vec3> out;
     for (int i = 0; i < n; ++i) {
-        const double z = 1 - (i + 0.5) / n, s = std::sqrt(1 - z * z), turn = std::fmod(golden * i, 2 * kPi);
-        out.emplace_back(float(s * std::cos(turn)), float(s * std::sin(turn)), float(z));
+        const double down = h * (i + 0.5) / n, s = std::sqrt(down * (2 - down)), turn = std::fmod(golden * i, 2 * kPi);
+        out.emplace_back(float(s * std::cos(turn)), float(s * std::sin(turn)), float(1 - down));
     }
+    return out;
+}
+
+std::vector<glm::vec3> hemisphereLattice(int n) {
+    std::vector<glm::vec3> out = capLattice(n, 1);
     orderForPackets(out);
     return out;
 }

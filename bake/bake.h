@@ -28,9 +28,13 @@ struct BakeOptions {
     int threads = 0;         // 0: all cores
 };
 
-// `n` directions of the hemisphere about +Z, each standing for 2 pi / n sr: Fibonacci's lattice, ordered
-// so that neighbours in the list are neighbours on the sphere.
+// `n` directions of the hemisphere about +Z, each standing for 2 pi / n sr: capLattice, ordered so that
+// neighbours in the list are neighbours on the sphere.
 std::vector<glm::vec3> hemisphereLattice(int n);
+
+// `n` directions of the cap about +Z of height h = 1 - cos(radius), each standing for 2 pi h / n sr, from
+// its centre outwards.
+std::vector<glm::vec3> capLattice(int n, double h);
 
 // Visibility at points: a lattice spun by an angle of its own, hashed from the seed and the index, at each.
 // The result does not depend on the number of threads. Throws Cancelled.

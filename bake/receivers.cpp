@@ -96,23 +96,15 @@ std::vector<glm::vec3> lightDirections(const Scene& scene, const SurfacePoint& r
 
 TruthSample traceLight(const Tracer& tracer, const SurfacePoint& receiver, const glm::vec3& direction, double radius,
                        int samples, double spin) {
-    const double golden = kPi * (3 - std::sqrt(5.0));
     const double height = 2 * std::sin(radius / 2) * std::sin(radius / 2);
     const glm::mat3 frame = frameAbout(direction, spin);
     std::vector<glm::vec3> rays;
-    std::vector<int> half;
-    for (int i = 0; i < samples; ++i) {
-        const double h = height * (i + 0.5) / samples, s = std::sqrt(h * (2 - h)), turn = std::fmod(golden * i, 2 * kPi);
-        const glm::vec3 w = frame * glm::vec3(s * std::cos(turn), s * std::sin(turn), 1 - h);
-        if (glm::dot(w, receiver.normal) <= 0) continue;
-        rays.push_back(w);
-        half.push_back(i & 1);
-    }
+    for (const glm::vec3& w : capLattice(samples, height)) rays.push_back(frame * w);
     std::vector<uint8_t> blocked(rays.size());
     tracer.occluded(receiver.position + tracer.offset() * receiver.normal, rays, kNoLimit, blocked.data());
     double sum[2]{};
     for (size_t i = 0; i < rays.size(); ++i)
-        if (!blocked[i]) sum[half[i]] += glm::dot(rays[i], receiver.normal);
+        if (!blocked[i]) sum[i & 1] += std::max(glm::dot(rays[i], receiver.normal), 0.0f);
     // The cap's 2 pi h sr over pi sin^2 r, a half having samples / 2 of them.
     const double scale = 2 * height / (std::sin(radius) * std::sin(radius)) / (samples / 2.0);
     return {float(sum[0] * scale), float(sum[1] * scale)};

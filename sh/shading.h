@@ -7,6 +7,8 @@ namespace apertura {
 using namespace glm;
 
 #define APERTURA_FN inline
+#include "shaders/evaluate.glsl"
+#include "shaders/frame.glsl"
 #include "shaders/models.glsl"
 #undef APERTURA_FN
 

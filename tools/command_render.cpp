@@ -1,4 +1,132 @@
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <sstream>
+
+#include "bake/reference.h"
+#include "runtime/error.h"
+#include "runtime/file.h"
+#include "runtime/renderer.h"
 #include "tools/commands.h"
+#include "tools/terminal.h"
+
 namespace apertura {
-void addRenderCommand(CLI::App&) {}
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+// What the sun gives a surface that faces it, W/m2: with the sky's default a fair exposure as it stands.
+constexpr double kSunIrradiance = 2.4;
+
+struct Arguments {
+    std::string file, out, model = "soft", sky, camera;
+    double azimuth = 135, elevation = 40, radius = 0.27;
+    double width = 960, height = 540;
+    uint32_t seed = 1;
+    int threads = 0;
+    HeightMapOptions map;
+};
+
+glm::vec3 parseColour(const std::string& text) {
+    if (text.size() != 6 || text.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
+        throw CLI::ValidationError("--sky: '" + text + "' is not a colour RRGGBB");
+    const unsigned long value = std::stoul(text, nullptr, 16);
+    glm::vec3 out;
+    for (int c = 0; c < 3; ++c) {
+        const double s = double(value >> (16 - 8 * c) & 255) / 255;
+        out[c] = float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    }
+    return out;
+}
+
+Camera parseCamera(const std::string& text, const Camera& fallback) {
+    if (text.empty()) return fallback;
+    std::vector<float> numbers;
+    std::istringstream in(text);
+    for (std::string field; std::getline(in, field, ',');) {
+        size_t used = 0;
+        try {
+            numbers.push_back(std::stof(field, &used));
+        } catch (const std::exception&) {
+        }
+        if (used != field.size() || field.empty() || !std::isfinite(numbers.back())) numbers.assign(99, 0);
+    }
+    const bool right = (numbers.size() == 6 || numbers.size() == 7)
+                    && glm::vec3(numbers[0], numbers[1], numbers[2]) != glm::vec3(numbers[3], numbers[4], numbers[5])
+                    && (numbers.size() == 6 || (numbers[6] > 0 && numbers[6] < 179));
+    if (!right) throw CLI::ValidationError("--camera: '" + text + "' is not EX,EY,EZ,TX,TY,TZ[,FOV], eye and target apart");
+    return {{numbers[0], numbers[1], numbers[2]},
+            {numbers[3], numbers[4], numbers[5]},
+            numbers.size() == 7 ? float(numbers[6] * kDegree) : fallback.verticalFov};
+}
+
+Light sun(const Arguments& a) {
+    const double azimuth = a.azimuth * kDegree, elevation = a.elevation * kDegree, radius = a.radius * kDegree;
+    // From north (-Z) by east (+X).
+    const glm::vec3 direction(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                              -std::cos(elevation) * std::cos(azimuth));
+    const double radiance = kSunIrradiance / (std::numbers::pi * std::sin(radius) * std::sin(radius));
+    return directionLight(direction, radius, glm::vec3(radiance * glm::dvec3(1, 0.93, 0.82)));
+}
+
+void run(const Arguments& a) {
+    const ModelInfo* model = findModel(a.model);
+    if (!model && a.model != "reference") throw CLI::ValidationError("--model: there is no model '" + a.model + "'");
+    View view;
+    view.width = int(a.width);
+    view.height = int(a.height);
+    if (view.width != a.width || view.height != a.height || std::max(view.width, view.height) > 8192)
+        throw CLI::ValidationError("--size: whole numbers of pixels, at most 8192");
+    if (!a.sky.empty()) view.sky = parseColour(a.sky);
+    view.lights = {sun(a)};
+    parseCamera(a.camera, {});
+    PendingFile(a.out);  // says now that it cannot be written
+    Scene scene = loadScene(a.file, a.map);
+    view.camera = parseCamera(a.camera, viewOf(scene));
+    Picture picture;
+    if (model) {
+        const Asset asset = toAsset(std::move(scene));
+        const Gpu gpu;
+        picture = Renderer(gpu, asset).draw(view, *model);
+    } else {
+        ProgressBar bar("ray tracing");
+        const Progress progress = bar.callback();
+        ReferenceOptions options;
+        options.seed = a.seed;
+        options.threads = a.threads;
+        picture = traceReference(Tracer(scene, progress), view, options, progress);
+    }
+    if (interrupted()) throw Cancelled{};
+    writePicture(a.out, picture);
+    std::printf("%s: %d x %d, %s\n", a.out.c_str(), view.width, view.height, a.model.c_str());
+}
+
+}  // namespace
+
+void addRenderCommand(CLI::App& program) {
+    auto a = std::make_shared<Arguments>();
+    CLI::App& command = *program.add_subcommand("render", "draw a baked asset with Vulkan, or any scene ray traced");
+    command.footer("Example: apertura render statue.glb -o dawn.png --model soft --sun-azimuth 90 --sun-elevation 8");
+    command.add_option("FILE", a->file, "a baked .glb; with --model reference any scene as for bake")->required();
+    command.add_option("-o", a->out, "the picture, .png (sRGB) or .exr (linear)")->required()->type_name("PICTURE");
+    command.add_option("--model", a->model, "ao, sh-l1, oat, aperture, soft, or reference: ray traced [soft]")->type_name("NAME");
+    command.add_option("--sun-azimuth", a->azimuth, "degrees from north (-Z) by east (+X) [135]")
+        ->check(CLI::Range(-360.0, 360.0))
+        ->type_name("D");
+    command.add_option("--sun-elevation", a->elevation, "degrees above the horizon [40]")
+        ->check(CLI::Range(-90.0, 90.0))
+        ->type_name("D");
+    command.add_option("--sun-radius", a->radius, "degrees [0.27]")->check(CLI::Range(0.01, 45.0))->type_name("D");
+    command.add_option("--sky", a->sky, "the sky's colour, sRGB [5d7cac]")->type_name("RRGGBB");
+    command
+        .add_option_function<std::string>("--size", [a](const std::string& text) { parsePair(text, a->width, a->height); },
+                                          "pixels [960x540]")
+        ->type_name("WxH");
+    command.add_option("--camera", a->camera, "eye, target and vertical field of view in degrees [the asset's own, or all of it]")
+        ->type_name("EX,EY,EZ,TX,TY,TZ[,FOV]");
+    command.add_option("--seed", a->seed, "of the reference's rays [1]")->type_name("S");
+    command.add_option("--threads", a->threads, "for the reference [all cores]")->check(CLI::Range(1, 1024))->type_name("T");
+    addHeightMapOptions(command, a->map);
+    command.callback([a] { run(*a); });
+}
+
 }  // namespace apertura

@@ -1,0 +1,99 @@
+#include "bake/reference.h"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "bake/watch.h"
+
+namespace apertura {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+class Shader {
+public:
+    Shader(const Tracer& tracer, const View& view, const ReferenceOptions& options)
+        : tracer_(tracer), view_(view), options_(options), sky_(hemisphereLattice(options.skyRays)) {}
+
+    glm::vec3 radiance(const glm::vec3& eye, const glm::vec3& direction, uint64_t sample) {
+        const std::optional<Hit> hit = tracer_.nearest(eye, direction);
+        if (!hit) return view_.sky;
+        const glm::vec3 origin = hit->position + tracer_.offset() * hit->normal;
+        std::vector<CapLight> caps;
+        glm::vec3 irradiance(0);
+        for (const Light& light : view_.lights) {
+            const CapLight cap = lightSeenFrom(hit->position, light);
+            irradiance += fromLight(light, cap, origin, hit->normal, sample, caps.size());
+            caps.push_back(cap);
+        }
+        irradiance += fromSky(caps, origin, hit->normal, sample);
+        return view_.albedo / PI * irradiance;
+    }
+
+private:
+    glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::vec3& origin, const glm::vec3& normal,
+                        uint64_t sample, size_t index) {
+        const glm::mat3 frame = frameAbout(cap.axis, 2 * kPi * hashUnit(options_.seed, sample, 2 + index));
+        const float reach = light.place.w > 0 ? std::max(glm::length(vec3(light.place) - origin) - light.shape.z, 0.0f) : kNoLimit;
+        rays_.clear();
+        for (const glm::vec3& w : capLattice(options_.lightRays, cap.height))
+            if (const glm::vec3 d = frame * w; glm::dot(d, normal) > 0) rays_.push_back(d);
+        const double cosines = openCosines(origin, normal, reach, {});
+        return float(cosines * 2 * kPi * cap.height / options_.lightRays) * vec3(light.radiance);
+    }
+
+    // The sky is everywhere but where a light stands in front of it.
+    glm::vec3 fromSky(const std::vector<CapLight>& caps, const glm::vec3& origin, const glm::vec3& normal, uint64_t sample) {
+        const glm::mat3 frame = frameAbout(normal, 2 * kPi * hashUnit(options_.seed, sample, 1));
+        rays_.clear();
+        for (const glm::vec3& w : sky_) rays_.push_back(frame * w);
+        return float(openCosines(origin, normal, kNoLimit, caps) * 2 * kPi / options_.skyRays) * view_.sky;
+    }
+
+    double openCosines(const glm::vec3& origin, const glm::vec3& normal, float reach, const std::vector<CapLight>& skip) {
+        blocked_.resize(rays_.size());
+        tracer_.occluded(origin, rays_, reach, blocked_.data());
+        double sum = 0;
+        for (size_t i = 0; i < rays_.size(); ++i) {
+            bool counts = !blocked_[i];
+            for (const CapLight& cap : skip) counts = counts && glm::dot(rays_[i], cap.axis) < 1 - cap.height;
+            if (counts) sum += glm::dot(rays_[i], normal);
+        }
+        return sum;
+    }
+
+    const Tracer& tracer_;
+    const View& view_;
+    const ReferenceOptions& options_;
+    std::vector<glm::vec3> sky_, rays_;
+    std::vector<uint8_t> blocked_;
+};
+
+}  // namespace
+
+Picture traceReference(const Tracer& tracer, const View& view, const ReferenceOptions& options,
+                       const Progress& progress) {
+    std::optional<tbb::global_control> limit;
+    if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
+    const int width = 2 * view.width, height = 2 * view.height;
+    Picture picture{width, height, std::vector<glm::vec3>(size_t(width) * height)};
+    Watch watch(progress, size_t(height));
+    tbb::parallel_for(0, height, [&](int y) {
+        if (watch.stopped()) return;
+        Shader shader(tracer, view, options);
+        for (int x = 0; x < width; ++x) {
+            const size_t sample = size_t(y) * width + x;
+            const glm::vec3 ray = rayThrough(view.camera, double(view.width) / view.height, (x + 0.5) / width, (y + 0.5) / height);
+            picture.pixels[sample] = shader.radiance(view.camera.eye, ray, sample);
+        }
+        watch.add(1);
+    });
+    watch.throwIfStopped();
+    return halved(picture);
+}
+
+}  // namespace apertura
