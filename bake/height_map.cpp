@@ -1,7 +1,10 @@
 #include <Imath/half.h>
 #include <OpenImageIO/imageio.h>
 
+#include <tiffio.h>
+
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -21,17 +24,19 @@ struct HeightMap {
     std::vector<float> values;  // row by row from the north-west; NaN where there is no data
 };
 
-// GDAL writes NoData as an ASCII tag of its own (42113), OpenImageIO as an attribute of that name.
-float noDataValue(const OIIO::ImageSpec& spec) {
-    for (const char* key : {"GDAL_NODATA", "nodata", "oiio:nodata"}) {
-        const std::string text = spec.get_string_attribute(key);
-        if (text.empty()) continue;
-        try {
-            return std::stof(text);
-        } catch (const std::exception&) {
-        }
-    }
-    return kVoid;
+// GDAL writes NoData into TIFF as text in a tag of its own, 42113, which OpenImageIO does not read.
+float noDataValue(const std::string& path) {
+    TIFFSetWarningHandler(nullptr);
+    TIFF* tiff = TIFFOpen(path.c_str(), "r");
+    if (!tiff) return kVoid;
+    uint32_t count = 0;
+    const char* bytes = nullptr;
+    std::string text;
+    if (TIFFGetField(tiff, 42113, &count, &bytes) && bytes) text.assign(bytes, strnlen(bytes, count));
+    TIFFClose(tiff);
+    float value = kVoid;
+    std::from_chars(text.data(), text.data() + text.size(), value);
+    return value;
 }
 
 // One component as it stands in the file: integers are counts, not shares of their range.
@@ -87,7 +92,7 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
     const bool tiled = spec.tile_width > 0;
     std::vector<unsigned char> raw(tiled ? rowBytes * spec.height : rowBytes);
     HeightMap map{spec.width, spec.height, {}};
-    const float nothing = noDataValue(spec);
+    const float nothing = in->format_name() == std::string("tiff") ? noDataValue(path) : kVoid;
     if (tiled && !in->read_image(0, 0, 0, channels, spec.format, raw.data()))
         throw Error("cannot be read: " + line(in->geterror()));
     for (int y = 0; y < spec.height; ++y) {

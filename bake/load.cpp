@@ -12,10 +12,25 @@
 #include "runtime/gltf.h"
 
 namespace apertura {
+namespace {
+
+const std::string kBuiltinPrefix = "builtin:";
+
+}  // namespace
+
+void adoptReceivers(Scene& scene, const std::string& from) {
+    if (!from.starts_with(kBuiltinPrefix)) return;
+    const std::string name = from.substr(kBuiltinPrefix.size());
+    if (std::find(builtinNames().begin(), builtinNames().end(), name) == builtinNames().end()) return;
+    const Scene original = makeBuiltin(name);
+    if (original.surfaces.size() != scene.surfaces.size()) return;
+    scene.receiverBoxes = original.receiverBoxes;
+    scene.skyAboveGround = original.skyAboveGround;
+    for (size_t i = 0; i < scene.surfaces.size(); ++i) scene.surfaces[i].receives = original.surfaces[i].receives;
+}
 
 Scene loadScene(const std::string& name, const HeightMapOptions& options) {
-    const std::string prefix = "builtin:";
-    if (name.starts_with(prefix)) return makeBuiltin(name.substr(prefix.size()));
+    if (name.starts_with(kBuiltinPrefix)) return makeBuiltin(name.substr(kBuiltinPrefix.size()));
     std::error_code ignored;
     if (std::filesystem::is_directory(name, ignored)) throw Error(name + ": is a folder");
     std::ifstream in(name, std::ios::binary);

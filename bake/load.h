@@ -23,6 +23,10 @@ Scene loadMeshFile(const std::string& path);                                    
 Scene loadHeightMap(const std::string& path, const HeightMapOptions& options);  // by OpenImageIO
 Scene makeBuiltin(const std::string& name);  // without builtin:, see builtinNames
 
+// Measures `scene`, read back from an asset of builtin:NAME, at the receivers and by the lights of the
+// original. Any other `from` leaves it as it is.
+void adoptReceivers(Scene& scene, const std::string& from);
+
 // The nine procedural scenes of the charts, seeded: the same bytes everywhere.
 const std::vector<std::string>& builtinNames();
 

@@ -144,6 +144,7 @@ void mergeBuffers(Model& model) {
 
 Value describe(const BakeInfo& info) {
     return Value(Value::Object{{"version", Value(info.version)},
+                               {"scene", Value(info.scene)},
                                {"model", Value(info.model)},
                                {"rays", Value(info.rays)},
                                {"bits", Value(info.bits)},
@@ -250,6 +251,7 @@ Asset toAsset(Scene scene) {
             return stored.Has(key) && stored.Get(key).IsString() ? stored.Get(key).Get<std::string>() : std::string();
         };
         asset.info.version = text("version");
+        asset.info.scene = text("scene");
         asset.info.model = text("model");
         asset.info.rays = int(std::clamp(number("rays", 0), 0.0, 1e9));
         asset.info.seed = uint32_t(std::clamp(number("seed", 0), 0.0, 4294967295.0));

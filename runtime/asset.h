@@ -12,6 +12,7 @@ namespace apertura {
 // How the visibility was baked; stands in the file as asset.extras.apertura.
 struct BakeInfo {
     std::string version;
+    std::string scene;         // what it was baked from: a file's name without its folder, or builtin:NAME
     std::string model = "sh";  // sh: the four coefficients; rays: area and mean direction from the rays
     int rays = 256;            // a vertex
     int bits = 8;              // a component

@@ -59,9 +59,18 @@ Camera viewOf(const Scene& scene) {
     const Box box = worldBounds(scene);
     Camera camera;
     camera.target = 0.5f * (box.low + box.high);
-    const float radius = std::max(0.5f * glm::length(box.high - box.low), 1e-6f);
-    const float distance = 0.92f * radius / std::sin(camera.verticalFov / 2);
-    camera.eye = camera.target + distance * glm::normalize(glm::vec3(0.55f, 0.5f, 1.0f));
+    const glm::vec3 back = glm::normalize(glm::vec3(0.45f, 0.55f, 1.0f));
+    const glm::vec3 right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), back)), up = glm::cross(back, right);
+    // As near as keeps every corner of the box in a picture of 3 : 2, with a little air.
+    const float tangent = std::tan(camera.verticalFov / 2) * 0.92f;
+    float distance = 1e-6f;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p = glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                      corner & 4 ? box.high.z : box.low.z) - camera.target;
+        const float needed = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / 1.5f) / tangent;
+        distance = std::max(distance, glm::dot(p, back) + needed);
+    }
+    camera.eye = camera.target + distance * back;
     return camera;
 }
 

@@ -110,6 +110,7 @@ Gpu::Gpu(const GpuOptions& options) : messages_(std::make_unique<std::vector<std
         VkPhysicalDeviceVulkan13Features features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
         features.dynamicRendering = VK_TRUE;
         features.synchronization2 = VK_TRUE;
+        features.maintenance4 = VK_TRUE;  // glslang states workgroup sizes by id
         VkDeviceCreateInfo device{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
         device.queueCreateInfoCount = 1;
         device.pQueueCreateInfos = &queue;

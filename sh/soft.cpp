@@ -34,9 +34,13 @@ struct Cell {
 SoftAperture toSoft(const Visibility& any, const vec3& normal) {
     const Visibility v = clampToPossible(any);
     const float x = std::clamp(v.area / (2 * kPi), soft_grid::kLeastArea, 1 - soft_grid::kLeastArea);
-    const float n = dot(v.direction, normal);
-    const vec3 across = v.direction - n * normal;
-    const float t = length(across);
+    // An area that was clamped takes its direction along; nothing open, or all, is an even haze.
+    const float open = v.area / (2 * kPi);
+    const bool even = open <= 0 || open > x;
+    const vec3 direction = even ? kPi * x * normal : v.direction * (x / open);
+    const float n = dot(direction, normal);
+    const vec3 across = direction - n * normal;
+    const float t = even ? 0 : length(across);
     const float above = n - kPi * x;
     const float psi = std::atan2(t, above);
 

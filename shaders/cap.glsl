@@ -32,7 +32,8 @@ APERTURA_FN CapLight sphereLight(vec3 toCentre, float radius) {
 }
 
 // E / (pi s^2) of an unblocked cap light of sine radius s at cosine z = dot(normal, axis), cut by the
-// receiver's horizon. Within 0.001 (0.00025 RMS) of the closed form for radii up to 45 degrees.
+// receiver's horizon. Within 0.001 (0.00025 RMS) of the closed form for radii up to 45 degrees, and never
+// more than 1.006 for larger ones.
 APERTURA_FN float horizonCosine(float z, float s) {
     float s2 = s * s;
     float k = sqrt(s) * (0.4595f + 0.0607f * s2 + 0.0732f * s2 * s2);

@@ -24,6 +24,7 @@ void run(const Arguments& a) {
     const Scene scene = loadScene(a.scene, a.map);
     BakeInfo info;
     info.version = APERTURA_VERSION;
+    info.scene = scene.name.starts_with("builtin:") ? scene.name : std::filesystem::path(scene.name).filename().string();
     info.model = a.model;
     info.rays = a.bake.rays;
     info.bits = a.bits;

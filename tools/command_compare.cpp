@@ -84,8 +84,13 @@ void run(Arguments a) {
     {
         ProgressBar bar("comparing");
         const Scene scene = loadScene(a.scene, a.map);
-        result = hasVisibility(scene) ? measureAsset(toAsset(scene), a.measure, bar.callback())
-                                      : measureScene(scene, a.measure, bar.callback());
+        if (hasVisibility(scene)) {
+            Asset asset = toAsset(scene);
+            adoptReceivers(asset.scene, asset.info.scene);
+            result = measureAsset(asset, a.measure, bar.callback());
+        } else {
+            result = measureScene(scene, a.measure, bar.callback());
+        }
     }
     if (!a.json.empty()) writeTextFile(a.json, toJson(result).dump(2) + "\n");
     print(result, a.measure.lightRadii);

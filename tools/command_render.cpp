@@ -1,7 +1,6 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <sstream>
 
 #include "bake/reference.h"
 #include "runtime/error.h"
@@ -40,23 +39,11 @@ glm::vec3 parseColour(const std::string& text) {
 
 Camera parseCamera(const std::string& text, const Camera& fallback) {
     if (text.empty()) return fallback;
-    std::vector<float> numbers;
-    std::istringstream in(text);
-    for (std::string field; std::getline(in, field, ',');) {
-        size_t used = 0;
-        try {
-            numbers.push_back(std::stof(field, &used));
-        } catch (const std::exception&) {
-        }
-        if (used != field.size() || field.empty() || !std::isfinite(numbers.back())) numbers.assign(99, 0);
-    }
-    const bool right = (numbers.size() == 6 || numbers.size() == 7)
-                    && glm::vec3(numbers[0], numbers[1], numbers[2]) != glm::vec3(numbers[3], numbers[4], numbers[5])
-                    && (numbers.size() == 6 || (numbers[6] > 0 && numbers[6] < 179));
+    const std::vector<double> n = parseNumbers(text, ',');
+    const bool right = (n.size() == 6 || (n.size() == 7 && n[6] > 0 && n[6] < 179))
+                    && glm::dvec3(n[0], n[1], n[2]) != glm::dvec3(n[3], n[4], n[5]);
     if (!right) throw CLI::ValidationError("--camera: '" + text + "' is not EX,EY,EZ,TX,TY,TZ[,FOV], eye and target apart");
-    return {{numbers[0], numbers[1], numbers[2]},
-            {numbers[3], numbers[4], numbers[5]},
-            numbers.size() == 7 ? float(numbers[6] * kDegree) : fallback.verticalFov};
+    return {glm::vec3(n[0], n[1], n[2]), glm::vec3(n[3], n[4], n[5]), n.size() == 7 ? float(n[6] * kDegree) : fallback.verticalFov};
 }
 
 Light sun(const Arguments& a) {

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "bake/load.h"
 
@@ -15,6 +16,9 @@ void addCompareCommand(CLI::App& program);
 
 // --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes.
 void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);
+
+// The numbers of "1,2.5,3"; none where anything else stands there.
+std::vector<double> parseNumbers(const std::string& text, char separator);
 
 // "2.5" or "2.5x3": two positive numbers. Throws CLI::ValidationError.
 void parsePair(const std::string& text, double& first, double& second);

@@ -26,6 +26,10 @@ int main(int argc, char** argv) {
     apertura::addRenderCommand(program);
     apertura::addCompareCommand(program);
     apertura::catchInterrupts();
+    const auto verbs = program.get_subcommands([](const CLI::App*) { return true; });
+    if (argc > 1 && argv[1][0] != '-'
+        && std::none_of(verbs.begin(), verbs.end(), [&](const CLI::App* verb) { return verb->get_name() == argv[1]; }))
+        return fail(2, std::string("there is no verb '") + argv[1] + "' (see apertura --help)");
     try {
         program.parse(argc, argv);
         return 0;

@@ -1,23 +1,30 @@
+#include <charconv>
 #include <cmath>
 
 #include "tools/commands.h"
 
 namespace apertura {
 
-void parsePair(const std::string& text, double& first, double& second) {
-    size_t used = 0;
-    try {
-        first = second = std::stod(text, &used);
-        if (used < text.size() && text[used] == 'x') {
-            const std::string rest = text.substr(used + 1);
-            second = std::stod(rest, &used);
-            used = used == rest.size() ? text.size() : 0;
-        }
-    } catch (const std::exception&) {
-        used = 0;
+std::vector<double> parseNumbers(const std::string& text, char separator) {
+    std::vector<double> out;
+    const char *at = text.data(), *end = at + text.size();
+    for (;;) {
+        double value = 0;
+        const auto [next, error] = std::from_chars(at, end, value);
+        if (error != std::errc() || !std::isfinite(value)) return {};
+        out.push_back(value);
+        if (next == end) return out;
+        if (*next != separator) return {};
+        at = next + 1;
     }
-    if (used != text.size() || !(first > 0) || !(second > 0) || !std::isfinite(first) || !std::isfinite(second))
-        throw CLI::ValidationError("'" + text + "' is not a positive number, nor two of them as in 2x3");
+}
+
+void parsePair(const std::string& text, double& first, double& second) {
+    const std::vector<double> numbers = parseNumbers(text, 'x');
+    const bool right = (numbers.size() == 1 || numbers.size() == 2) && numbers.front() > 0 && numbers.back() > 0;
+    if (!right) throw CLI::ValidationError("'" + text + "' is not a positive number, nor two of them as in 2x3");
+    first = numbers.front();
+    second = numbers.back();
 }
 
 void addHeightMapOptions(CLI::App& command, HeightMapOptions& options) {

@@ -1,0 +1,191 @@
+#include "bake/bake.h"
+
+#include "bake/load.h"
+#include "bake/receivers.h"
+#include "bake/shapes.h"
+#include "sh/packing.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+Scene sceneOf(Surface surface, const glm::mat4& transform = glm::mat4(1)) {
+    Scene scene;
+    scene.name = "test";
+    scene.surfaces.push_back(std::move(surface));
+    scene.instances.push_back({0, transform});
+    return scene;
+}
+
+Surface ball(const glm::dvec3& centre, double radius) {
+    Surface surface;
+    addBlob(surface, centre, 256, [radius](const glm::dvec3&) { return radius; });
+    return surface;
+}
+
+TEST(Bake, AnOpenPlaneSeesTheWholeHemisphere) {
+    Surface plane;
+    addPanel(plane, {-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, 1);
+    const Scene scene = sceneOf(plane);
+    for (BakeModel model : {BakeModel::Sh, BakeModel::Rays}) {
+        const BakedVisibility baked = bakeVertices(scene, Tracer(scene), {model});
+        for (const Visibility& v : baked[0]) {
+            EXPECT_NEAR(v.area, 2 * kPi, 1e-5);
+            EXPECT_NEAR(v.direction.y, kPi, 1e-4);
+        }
+    }
+}
+
+TEST(Bake, UnderASphereTheBlockedRegionIsACap) {
+    // A point at distance 3 below the centre of a unit sphere: it blocks a cap of sin r = 1/3.
+    const Scene scene = sceneOf(ball({0, 3, 0}, 1));
+    const SurfacePoint point{{0, 0, 0}, {0, 1, 0}};
+    const double cosine = std::sqrt(1 - 1 / 9.0);
+    const std::vector<Visibility> v = bakePoints(Tracer(scene), {&point, 1}, {BakeModel::Sh, 16384});
+    EXPECT_NEAR(v[0].area, 2 * kPi * cosine, 3e-3);
+    EXPECT_NEAR(v[0].direction.y, kPi - kPi / 9, 3e-3);
+}
+
+TEST(Bake, BesideAWallHalfTheSkyIsLeft) {
+    Surface wall;
+    addPanel(wall, {0, -500, 500}, {0, 0, -1000}, {0, 1000, 0}, 1000);
+    const Scene scene = sceneOf(wall);
+    const SurfacePoint point{{-0.01f, 0, 0}, {0, 1, 0}};
+    const Visibility v = bakePoints(Tracer(scene), {&point, 1}, {BakeModel::Rays, 16384})[0];
+    EXPECT_NEAR(v.area, kPi, 5e-3);  // a quarter of the sphere: F = pi/2 (up - x)
+    EXPECT_NEAR(v.direction.y, kPi / 2, 5e-3);
+    EXPECT_NEAR(v.direction.x, -kPi / 2, 5e-3);
+}
+
+TEST(Bake, MaxDistanceLetsFarThingsThrough) {
+    const Scene scene = sceneOf(ball({0, 3, 0}, 1));
+    const SurfacePoint point{{0, 0, 0}, {0, 1, 0}};
+    BakeOptions near;
+    near.maxDistance = 1.5;
+    EXPECT_NEAR(bakePoints(Tracer(scene), {&point, 1}, near)[0].area, 2 * kPi, 1e-5);
+    near.maxDistance = 2.9;
+    EXPECT_LT(bakePoints(Tracer(scene), {&point, 1}, near)[0].area, 2 * kPi - 0.1);
+}
+
+TEST(Bake, BothSourcesAreTheSameByConstruction) {
+    const Scene scene = makeBuiltin("statue");
+    const Tracer tracer(scene);
+    std::vector<SurfacePoint> points;
+    for (const SpreadPoint& p : spreadReceivers(scene, 200, 1)) points.push_back(p.at);
+    const auto sh = bakePoints(tracer, points, {BakeModel::Sh}), rays = bakePoints(tracer, points, {BakeModel::Rays});
+    for (size_t i = 0; i < points.size(); ++i) {
+        EXPECT_NEAR(sh[i].area, rays[i].area, 1e-5);
+        EXPECT_LT(glm::length(sh[i].direction - rays[i].direction), 1e-5);
+    }
+}
+
+TEST(Bake, SameBytesForAnyNumberOfThreadsAndOtherForAnotherSeed) {
+    const Scene scene = makeBuiltin("canyon");
+    const Tracer tracer(scene);
+    std::vector<SurfacePoint> points;
+    for (const SpreadPoint& p : spreadReceivers(scene, 3000, 1)) points.push_back(p.at);
+    BakeOptions options;
+    options.rays = 64;
+    auto bake = [&](int threads, uint32_t seed) {
+        options.threads = threads;
+        options.seed = seed;
+        std::vector<float> out;
+        for (const Visibility& v : bakePoints(tracer, points, options))
+            out.insert(out.end(), {v.area, v.direction.x, v.direction.y, v.direction.z});
+        return out;
+    };
+    const auto one = bake(1, 1);
+    EXPECT_EQ(one, bake(2, 1));
+    EXPECT_EQ(one, bake(7, 1));
+    EXPECT_NE(one, bake(1, 2));
+}
+
+TEST(Bake, StopsWhenToldTo) {
+    const Scene scene = makeBuiltin("statue");
+    EXPECT_THROW(bakeVertices(scene, Tracer(scene), {}, [](double) { return false; }), Cancelled);
+}
+
+TEST(Bake, DirectionsTurnWithTheInstance) {
+    // The quarter sky beside a wall, the whole scene turned, mirrored and scaled by its node.
+    Surface room;
+    addPanel(room, {0, -50, 50}, {0, 0, -100}, {0, 100, 0}, 100);
+    addPanel(room, {-1, 0, 1}, {0.999, 0, 0}, {0, 0, -2}, 2);
+    glm::mat4 turn(1);
+    turn[0] = {0, 2, 0, 0};
+    turn[1] = {2, 0, 0, 0};
+    turn[2] = {0, 0, 2, 0};
+    const Scene plain = sceneOf(room), turned = sceneOf(room, turn);
+    const auto a = bakeVertices(plain, Tracer(plain), {BakeModel::Rays, 4096})[0];
+    const auto b = bakeVertices(turned, Tracer(turned), {BakeModel::Rays, 4096})[0];
+    const glm::mat3 rotation = rotationPart(turn);
+    for (size_t i = 4; i < a.size(); ++i) {
+        EXPECT_NEAR(a[i].area, b[i].area, 0.02);
+        EXPECT_LT(glm::length(rotation * a[i].direction - b[i].direction), 0.02);
+    }
+}
+
+TEST(Bake, SharedSurfacesAreTracedInEveryPlace) {
+    Scene scene = sceneOf(ball({0, 0, 0}, 1));
+    glm::mat4 there(1);
+    there[3] = {3, 0, 0, 1};
+    scene.instances.push_back({0, there});
+    const Tracer tracer(scene);
+    EXPECT_TRUE(tracer.occluded({0, 5, 0}, {0, -1, 0}, kNoLimit));
+    EXPECT_TRUE(tracer.occluded({3, 5, 0}, {0, -1, 0}, kNoLimit));
+    EXPECT_FALSE(tracer.occluded({1.5f, 5, 0}, {0, -1, 0}, kNoLimit));
+    const auto hit = tracer.nearest({3, 5, 0}, {0, -1, 0});
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->position.y, 1, 1e-3);
+    EXPECT_NEAR(hit->normal.y, 1, 1e-3);
+}
+
+TEST(Bake, LatticeErrorAt256RaysOnTheBunny) {
+    NEEDS_DATA();
+    const Scene scene = loadScene((dataFolder() / "statues/stanford_bunny.obj").string());
+    const Tracer tracer(scene);
+    std::vector<SurfacePoint> points;
+    const Surface& surface = scene.surfaces[0];
+    for (size_t v = 0; v < surface.positions.size(); v += 24) points.push_back({surface.positions[v], surface.normals[v]});
+    const auto truth = bakePoints(tracer, points, {BakeModel::Rays, 16384, 99}), baked = bakePoints(tracer, points, {});
+    double sum = 0;
+    for (size_t i = 0; i < points.size(); ++i)
+        sum += std::pow((unpack(pack8(baked[i])).area - truth[i].area) / (2 * kPi), 2);
+    const double rms = std::sqrt(sum / double(points.size()));
+    std::printf("stored area at 256 rays: rms %.5f of the hemisphere over %zu vertices\n", rms, points.size());
+    EXPECT_LE(rms, 0.010);
+}
+
+TEST(Lattice, IntegratesTheHemisphere) {
+    for (int n : {1, 16, 256, 1000}) {
+        const auto lattice = hemisphereLattice(n);
+        ASSERT_EQ(lattice.size(), size_t(n));
+        double z = 0;
+        for (const glm::vec3& w : lattice) z += w.z;
+        EXPECT_NEAR(z * 2 * kPi / n, kPi, 1e-4);
+    }
+}
+
+TEST(Builtin, SameBytesEveryTimeAndAllOfThemTrace) {
+    ASSERT_EQ(builtinNames().size(), 9u);
+    for (const std::string& name : builtinNames()) {
+        const Scene a = makeBuiltin(name), b = makeBuiltin(name);
+        ASSERT_EQ(a.surfaces.size(), b.surfaces.size());
+        for (size_t i = 0; i < a.surfaces.size(); ++i) EXPECT_EQ(a.surfaces[i].positions, b.surfaces[i].positions);
+        EXPECT_EQ(spreadReceivers(a, 50, 1).size(), 50u) << name;
+    }
+}
+
+TEST(Builtin, HasTheSizesOfTheDesign) {
+    auto size = [](const char* name) {
+        const Box box = worldBounds(makeBuiltin(name));
+        return box.high - box.low;
+    };
+    EXPECT_NEAR(size("terrain").x, 24, 1e-4);
+    EXPECT_EQ(makeBuiltin("terrain").surfaces[0].triangles.size(), 2u * 256 * 256);
+    EXPECT_LT(glm::length(size("room-1") - glm::vec3(6, 3, 5)), 1e-4);
+    EXPECT_NEAR(size("colonnade").y, 4.5, 1e-4);
+    EXPECT_NEAR(size("canyon").y, 14, 1.5);
+}
+
+}  // namespace
+}  // namespace apertura::test

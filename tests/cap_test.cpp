@@ -1,0 +1,86 @@
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+TEST(CapReference, MatchesQuadratureOnRandomTriples) {
+    Random random(1);
+    const auto lattice = sphereLattice(400000);
+    for (int trial = 0; trial < 40; ++trial) {
+        std::vector<ExactCap> caps;
+        for (int i = 0; i < 3; ++i) caps.push_back({random.direction(), random(0.05, 2.6)});
+        dvec3 sum(0);
+        for (const dvec3& w : lattice) {
+            bool in = true;
+            for (const ExactCap& cap : caps) in = in && dot(w, cap.axis) >= std::cos(cap.radius);
+            if (in) sum += w;
+        }
+        sum *= 4 * kPi / double(lattice.size());
+        EXPECT_LT(length(sum - vectorIrradiance(caps)), 2e-3) << "trial " << trial;
+    }
+}
+
+TEST(CapReference, KnownDegenerateCases) {
+    const dvec3 up(0, 0, 1), side(1, 0, 0);
+    auto along = [](std::vector<ExactCap> caps) { return vectorIrradiance(caps); };
+    const double r = 0.4, disc = kPi * std::sin(r) * std::sin(r);
+    EXPECT_NEAR(along({{up, r}}).z, disc, 1e-14);
+    EXPECT_NEAR(along({{up, kPi}}).z, 0, 1e-14);                      // everything
+    EXPECT_NEAR(along({{up, kPi / 2}}).z, kPi, 1e-14);                // a hemisphere
+    EXPECT_NEAR(along({{up, r}, {up, r}}).z, disc, 1e-14);            // equal: counted once
+    EXPECT_NEAR(along({{up, r}, {up, 0.9}}).z, disc, 1e-14);          // nested
+    EXPECT_NEAR(length(along({{up, r}, {-up, 0.9}})), 0, 1e-14);      // disjoint
+    EXPECT_NEAR(length(along({{up, r}, {-up, kPi - r}})), 0, 1e-14);  // complements
+    EXPECT_NEAR(along({{up, 0}}).z, 0, 1e-14);
+    // Two hemispheres at a right angle: a lune of pi/2, F = pi/2 (side + up).
+    EXPECT_LT(length(along({{up, kPi / 2}, {side, kPi / 2}}) - kPi / 2 * (up + side)), 1e-12);
+    // Caps that touch from outside and from inside.
+    const dvec3 tilted(std::sin(0.7), 0, std::cos(0.7));
+    EXPECT_NEAR(length(along({{up, 0.3}, {tilted, 0.4}})), 0, 1e-8);
+    EXPECT_NEAR(along({{up, 1.1}, {tilted, 0.4}}).x, kPi * std::pow(std::sin(0.4), 2) * std::sin(0.7), 1e-8);
+    // Two caps over 90 degrees that cover the sphere: what neither leaves out.
+    const double a = 2.8;
+    const dvec3 both = along({{up, a}, {side, a}});
+    EXPECT_LT(length(both - kPi * std::pow(std::sin(a), 2) * (up + side)), 1e-12);
+}
+
+TEST(CapReference, HalfACapOnTheHorizon) {
+    // A light centred on the horizon, by quadrature over its rings: each is half up.
+    const double r = 0.5;
+    double expected = 0;
+    const int steps = 200000;
+    for (int i = 0; i < steps; ++i) {
+        const double theta = (i + 0.5) / steps * r;
+        expected += 2 * std::sin(theta) * std::sin(theta) * r / steps;
+    }
+    EXPECT_NEAR(dot(dvec3(0, 0, 1), vectorIrradiance(std::vector<ExactCap>{{{1, 0, 0}, r}, {{0, 0, 1}, kPi / 2}})), expected,
+                1e-9);
+}
+
+TEST(Light, CutByTheHorizonWithinAThousandth) {
+    const dvec3 normal(0, 0, 1);
+    double worst = 0;
+    for (double degrees = 0.27; degrees <= 45; degrees *= 1.05)
+        for (double elevation = -60; elevation <= 90; elevation += 0.125) {
+            const double r = degrees * kPi / 180, e = elevation * kPi / 180;
+            const dvec3 axis(std::cos(e), 0, std::sin(e));
+            const double error = normalised(lightAboveHorizon(vec3(normal), capLight(axis, r)), r)
+                               - exactShare(normal, {{axis, r}}, r);
+            worst = std::max(worst, std::abs(error));
+        }
+    EXPECT_LE(worst, 0.001);
+    RecordProperty("worst", std::to_string(worst));
+}
+
+TEST(Light, OfASphereHasTheSizeItIsSeenAt) {
+    const CapLight light = sphereLight(vec3(0, 4, 0), 1);
+    EXPECT_FLOAT_EQ(light.sinRadius, 0.25f);
+    EXPECT_NEAR(light.height, 1 - std::sqrt(1 - 0.0625), 1e-7);
+    EXPECT_FLOAT_EQ(light.axis.y, 1);
+    EXPECT_FLOAT_EQ(sphereLight(vec3(0, 0.5f, 0), 1).sinRadius, 1);  // from inside: a half-space
+    const CapLight centre = sphereLight(vec3(0), 1);
+    EXPECT_TRUE(std::isfinite(lightAboveHorizon(vec3(0, 1, 0), centre)));
+}
+
+}  // namespace
+}  // namespace apertura::test

@@ -1,0 +1,206 @@
+// The program as a user meets it: exit codes, one line on standard error, no file left behind.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Result {
+    int code = 0;
+    std::string out, error;
+};
+
+std::string slurp(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Result run(const std::string& arguments) {
+    const Folder folder;
+    const std::string command = std::string(APERTURA_PROGRAM) + " " + arguments + " >" + (folder / "out") + " 2>" + (folder / "err");
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(folder / "out"), slurp(folder / "err")};
+}
+
+long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+// Fails with `code`, one line that names `name`, and leaves the folder of `out` as it was.
+void expectRefusal(const std::string& arguments, int code, const std::string& name) {
+    const Result r = run(arguments);
+    EXPECT_EQ(r.code, code) << arguments << "\n" << r.error;
+    EXPECT_EQ(lines(r.error), 1) << arguments << "\n" << r.error;
+    EXPECT_NE(r.error.find(name), std::string::npos) << arguments << "\n" << r.error;
+    EXPECT_TRUE(r.out.empty()) << r.out;
+}
+
+TEST(Cli, BakesInfoComparesAndRenders) {
+    const Folder folder;
+    const std::string glb = folder / "statue.glb";
+    Result r = run("bake builtin:statue -o " + glb + " --rays 32");
+    ASSERT_EQ(r.code, 0) << r.error;
+    EXPECT_TRUE(r.error.empty()) << r.error;  // no progress bar in a pipe
+    r = run("info " + glb + " --json");
+    const auto info = nlohmann::json::parse(r.out);
+    EXPECT_EQ(info["bytes_per_vertex"], 4);
+    EXPECT_EQ(info["rays"], 32);
+    EXPECT_EQ(info["vertices"], 50882);
+    EXPECT_EQ(run("info " + glb).code, 0);
+    r = run("compare " + glb + " --models aperture,soft --light-radii 5,15 --receivers 40 --json " + (folder / "c.json"));
+    ASSERT_EQ(r.code, 0) << r.error;
+    const auto table = nlohmann::json::parse(slurp(folder / "c.json"));
+    EXPECT_EQ(table["receivers"], 40);
+    ASSERT_EQ(table["rows"].size(), 4u);
+    for (const auto& row : table["rows"]) {
+        for (const char* key : {"model", "source", "numbers", "bytes", "light_radius_deg", "rmse", "bias", "max", "rms_truth", "noise"})
+            EXPECT_TRUE(row.contains(key)) << key;
+        EXPECT_EQ(row["source"], "sh");
+    }
+    for (const char* model : {"soft", "reference"})
+        EXPECT_EQ(run("render " + glb + " -o " + (folder / model) + ".png --size 32x20 --model " + model).code, 0);
+    EXPECT_EQ(run("render " + glb + " -o " + (folder / "x.exr") + " --size 32x20").code, 0);
+    EXPECT_EQ(folder.files(), 5u);
+}
+
+TEST(Cli, SameBytesForAnyNumberOfThreads) {
+    const Folder folder;
+    for (int threads : {1, 2, 5})
+        ASSERT_EQ(run("bake builtin:forest -o " + (folder / std::to_string(threads)) + ".glb --rays 16 --threads " + std::to_string(threads)).code, 0);
+    const std::string one = slurp(folder / "1.glb");
+    EXPECT_EQ(one, slurp(folder / "2.glb"));
+    EXPECT_EQ(one, slurp(folder / "5.glb"));
+}
+
+TEST(Cli, HelpHasAnExample) {
+    for (const char* verb : {"bake", "info", "render", "compare"}) {
+        const Result r = run(std::string(verb) + " --help");
+        EXPECT_EQ(r.code, 0);
+        EXPECT_NE(r.out.find("Example: apertura " + std::string(verb)), std::string::npos) << r.out;
+    }
+    EXPECT_EQ(run("--version").code, 0);
+}
+
+TEST(Cli, WrongUseIsTwo) {
+    const Folder folder;
+    const std::string out = folder / "o.glb", picture = folder / "o.png";
+    expectRefusal("", 2, "subcommand");
+    expectRefusal("fly", 2, "fly");
+    expectRefusal("bake", 2, "SCENE");
+    expectRefusal("bake builtin:statue", 2, "-o");
+    expectRefusal("bake builtin:statue -o " + (folder / "o.obj"), 2, ".glb");
+    expectRefusal("bake builtin:statue -o " + out + " --rays 0", 2, "--rays");
+    expectRefusal("bake builtin:statue -o " + out + " --rays many", 2, "--rays");
+    expectRefusal("bake builtin:statue -o " + out + " --bits 12", 2, "--bits");
+    expectRefusal("bake builtin:statue -o " + out + " --seed -1", 2, "--seed");
+    expectRefusal("bake builtin:statue -o " + out + " --model best", 2, "--model");
+    expectRefusal("bake x.tif -o " + out + " --spacing 0", 2, "0");
+    expectRefusal("bake x.tif -o " + out + " --spacing 3xx", 2, "3xx");
+    expectRefusal("render a.glb -o " + picture + " --model best", 2, "best");
+    expectRefusal("render a.glb -o " + picture + " --size 0x9", 2, "0x9");
+    expectRefusal("render a.glb -o " + picture + " --size 99999x9", 2, "--size");
+    expectRefusal("render a.glb -o " + picture + " --sky blue", 2, "blue");
+    expectRefusal("render a.glb -o " + picture + " --camera 1,2,3", 2, "1,2,3");
+    expectRefusal("compare builtin:statue --models soft,best", 2, "best");
+    expectRefusal("compare builtin:statue --light-radii 0", 2, "--light-radii");
+    expectRefusal("compare builtin:statue --receivers 0", 2, "--receivers");
+    EXPECT_EQ(folder.files(), 0u);
+}
+
+TEST(Cli, WhatCannotBeDoneIsOne) {
+    const Folder folder;
+    const std::string out = folder / "o.glb";
+    expectRefusal("bake builtin:palace -o " + out, 1, "palace");
+    expectRefusal("bake no/such.obj -o " + out, 1, "no/such.obj");
+    expectRefusal("bake " + folder.path.string() + " -o " + out, 1, "folder");
+    expectRefusal("bake builtin:statue -o " + (folder / "no/o.glb"), 1, "no/o.glb");
+    expectRefusal("bake builtin:statue -o /proc/o.glb", 1, "/proc/o.glb");
+    expectRefusal("compare builtin:statue --receivers 2 --json /proc/o.json", 1, "/proc/o.json");
+    expectRefusal("render builtin:statue -o " + (folder / "o.png"), 1, "apertura bake");
+    expectRefusal("info builtin:statue", 1, "builtin:statue");
+    EXPECT_EQ(folder.files(), 0u);
+    const struct {
+        const char *name, *text;
+    } files[] = {{"empty.obj", ""},
+                 {"none.obj", "v 0 0 0\nv 1 0 0\n"},
+                 {"nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n"},
+                 {"range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"},
+                 {"far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n"},
+                 {"crash.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 8\nproperty float x\nproperty "},
+                 {"text.stl", "solid a\nfacet"},
+                 {"scene.xyz", "hello"},
+                 {"picture.png", "\x89PNG\r\n\x1a\n"}};
+    for (const auto& file : files) expectRefusal("bake " + folder.write(file.name, file.text) + " -o " + out, 1, file.name);
+    folder.write("pixel.ppm", "P5 1 1 255\nx");
+    EXPECT_FALSE(fs::exists(out));
+    EXPECT_EQ(folder.files(), std::size(files) + 1);
+}
+
+TEST(Cli, RefusesAHeightMapOfOnePixel) {
+    const Folder folder;
+    // The smallest PNG: 1 x 1, 8 bits of grey.
+    static const unsigned char bytes[] = {
+        0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0, 0x3a, 0x7e, 0x9b, 0x55,
+        0, 0, 0, 10, 'I', 'D', 'A', 'T', 0x78, 0x9c, 0x63, 0x60, 0, 0, 0, 2, 0, 1, 0x48, 0xaf, 0xa4, 0x71, 0, 0, 0, 0, 'I', 'E', 'N', 'D', 0xae, 0x42, 0x60, 0x82};
+    const std::string path = folder.write("one.png", std::string(reinterpret_cast<const char*>(bytes), sizeof bytes));
+    expectRefusal("bake " + path + " -o " + (folder / "o.glb"), 1, "2 x 2");
+}
+
+TEST(Cli, RefusesEverythingMalformed) {
+    NEEDS_DATA();
+    const Folder folder;
+    int count = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(dataFolder() / "malformed")) {
+        if (!entry.is_regular_file() || entry.path().extension() == ".bin") continue;
+        expectRefusal("bake " + entry.path().string() + " -o " + (folder / "o.glb"), 1, entry.path().filename().string());
+        ++count;
+    }
+    EXPECT_GT(count, 25);
+    EXPECT_EQ(folder.files(), 0u);
+}
+
+TEST(Cli, AnInterruptLeavesNothing) {
+    const Folder folder;
+    const pid_t pid = fork();
+    if (pid == 0) {
+        std::freopen("/dev/null", "w", stderr);
+        execl(APERTURA_PROGRAM, APERTURA_PROGRAM, "bake", "builtin:terrain", "-o", (folder / "o.glb").c_str(), "--rays", "65536", nullptr);
+        _exit(99);
+    }
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    kill(pid, SIGINT);
+    int status = 0;
+    waitpid(pid, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 130);
+    EXPECT_EQ(folder.files(), 0u);
+}
+
+TEST(Cli, AssetsPassTheKhronosValidator) {
+    if (!std::getenv("GLTF_VALIDATOR")) GTEST_SKIP() << "the Khronos glTF validator is not here (tools/test installs it)";
+    const Folder folder;
+    std::vector<std::string> scenes{"builtin:canyon"};
+    if (fs::exists(dataFolder()))
+        for (const char* file : {"gltf/BoxInterleaved.glb", "gltf/CesiumMilkTruck.glb", "gltf/CesiumMilkTruck_quantized.glb",
+                                 "gltf/Duck_meshopt_quantized_vp12.glb", "gltf/MultiUVTest/MultiUVTest.gltf", "gltf/SimpleMeshes_embedded.gltf",
+                                 "gltf/SimpleSparseAccessor_embedded.gltf", "gltf/PrimitiveMode/Mesh_PrimitiveMode_04.gltf",
+                                 "gltf/VirtualCity_geom.glb", "arch/cornell_box.obj"})
+            scenes.push_back((dataFolder() / file).string());
+    for (const std::string& scene : scenes)
+        for (const char* bits : {"8", "16"}) {
+            ASSERT_EQ(run("bake " + scene + " -o " + (folder / "o.glb") + " --rays 4 --bits " + bits).code, 0) << scene;
+            const std::string command = std::string("node ") + APERTURA_SOURCE + "/tests/validate_gltf.js \"$GLTF_VALIDATOR\" " + (folder / "o.glb");
+            EXPECT_EQ(std::system(command.c_str()), 0) << scene;
+        }
+}
+
+}  // namespace
+}  // namespace apertura::test

@@ -1,0 +1,162 @@
+// The Vulkan device against the same text in C++; the validation layer's silence; the pictures.
+#include "bake/load.h"
+#include "bake/reference.h"
+#include "runtime/error.h"
+#include "runtime/renderer.h"
+#include "sh/vertex_visibility.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+class GpuTest : public testing::Test {
+protected:
+    void SetUp() override { gpu = std::make_unique<Gpu>(GpuOptions{.validate = true}); }
+    void TearDown() override {
+        for (const std::string& message : gpu->messages()) ADD_FAILURE() << message;
+    }
+    std::unique_ptr<Gpu> gpu;
+};
+
+Asset bakedScene(const char* name, int rays) {
+    Asset asset;
+    asset.scene = makeBuiltin(name);
+    asset.visibility = bakeVertices(asset.scene, Tracer(asset.scene), {BakeModel::Sh, rays});
+    return asset;
+}
+
+double meanOf(const Picture& p) {
+    double sum = 0;
+    for (const glm::vec3& c : p.pixels) sum += (c.r + c.g + c.b) / 3;
+    return sum / double(p.pixels.size());
+}
+
+double differenceOf(const Picture& a, const Picture& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) sum += glm::dot(a.pixels[i] - b.pixels[i], a.pixels[i] - b.pixels[i]) / 3;
+    return std::sqrt(sum / double(a.pixels.size()));
+}
+
+TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
+    Random random(41);
+    std::vector<Evaluation> inputs;
+    for (int i = 0; i < 100000; ++i) {
+        const vec3 normal(random.direction());
+        const double area = 2 * kPi * random();
+        dvec3 d = random.direction();
+        if (dot(d, dvec3(normal)) < 0) d = -d;
+        const Visibility v{vec3(d * area * (1 - area / (4 * kPi)) * random()), float(area)};
+        const VertexVisibility seen = toVertex(v, normal);
+        const double r = 0.27 * std::pow(45 / 0.27, random()) * kPi / 180;
+        const CapLight light = capLight(random.direction(), r);
+        inputs.push_back({vec4(normal, light.sinRadius), vec4(light.axis, light.height), seen.visibility, seen.aperture, seen.soft});
+    }
+    for (const ModelInfo& model : kModels) {
+        const std::vector<vec2> device = evaluateOnDevice(*gpu, model.id, inputs);
+        double worst = 0, worstShare = 0;
+        for (size_t i = 0; i < inputs.size(); ++i) {
+            const Evaluation& e = inputs[i];
+            const Receiver receiver = interpolatedReceiver(vec3(e.normal), e.visibility, e.aperture, e.soft);
+            const CapLight light{vec3(e.light), e.normal.w, e.light.w};
+            const float here = lightThrough(model.id, receiver, light), sky = skyThrough(model.id, receiver);
+            ASSERT_TRUE(std::isfinite(device[i].x) && std::isfinite(device[i].y));
+            worst = std::max({worst, std::abs(double(here) - device[i].x), std::abs(double(sky) - device[i].y)});
+            worstShare = std::max(worstShare, std::abs(double(here) - device[i].x) / (kPi * light.sinRadius * light.sinRadius));
+        }
+        std::printf("%-9s on %s: largest difference %.1e W/m2, %.1e of the light's own\n", std::string(model.name).c_str(),
+                    gpu->name().c_str(), worst, worstShare);
+        EXPECT_LE(worst, 1e-4) << model.name;
+    }
+}
+
+TEST_F(GpuTest, DrawsAnOpenPlaneAsTheClosedFormSays) {
+    Asset asset;
+    Surface plane;
+    plane.positions = {{-9, 0, -9}, {9, 0, -9}, {9, 0, 9}, {-9, 0, 9}};
+    plane.normals.assign(4, {0, 1, 0});
+    plane.triangles = {{0, 2, 1}, {0, 3, 2}};
+    asset.scene.surfaces = {plane};
+    asset.scene.instances = {{0}};
+    asset.visibility = {std::vector<Visibility>(4, {{0, float(kPi), 0}, float(2 * kPi)})};
+    View view;
+    view.width = view.height = 16;
+    view.camera = {{0, 5, 0.01f}, {0, 0, 0}, 0.5f};
+    view.sky = {0.1f, 0.2f, 0.3f};
+    view.albedo = vec3(0.5f);
+    Renderer renderer(*gpu, asset);
+    // Eight lights at 60 degrees from the normal: each adds pi s^2 cos 60; the sky fills pi less that.
+    const double r = 0.02, e = kPi * std::sin(r) * std::sin(r) * 0.5;
+    for (int i = 0; i < 8; ++i) {
+        const double turn = 2 * kPi * i / 8, s = std::sin(kPi / 3);
+        view.lights.push_back(directionLight({s * std::cos(turn), 0.5, s * std::sin(turn)}, r, vec3(100)));
+    }
+    for (const ModelInfo& model : kModels) {
+        if (model.id == MODEL_OAT || model.id == MODEL_SH_L1) continue;  // wrong here by their own lights
+        const Picture picture = renderer.draw(view, model);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(picture.pixels[8 * 16 + 8][c], 0.5 / kPi * (8 * e * 100 + (kPi - 8 * e) * view.sky[c]), 2e-3) << model.name;
+    }
+    // A sphere overhead, sin r = 1/4.
+    view.lights = {placedLight({0, 4, 0}, 1, vec3(2))};
+    const double own = kPi / 16;
+    const Picture lamp = renderer.draw(view, *findModel("aperture"));
+    EXPECT_NEAR(lamp.pixels[8 * 16 + 8].r, 0.5 / kPi * (own * 2 + (kPi - own) * 0.1), 2e-3);
+}
+
+TEST_F(GpuTest, ShowsWhatTheReferenceShows) {
+    const Asset asset = bakedScene("terrain", 256);
+    View view;
+    view.width = 120;
+    view.height = 80;
+    view.camera = viewOf(asset.scene);
+    view.lights = {directionLight({0.6f, 0.7f, 0.3f}, 0.087, vec3(100))};
+    const Picture truth = traceReference(Tracer(asset.scene), view, {});
+    Renderer renderer(*gpu, asset);
+    const Picture soft = renderer.draw(view, *findModel("soft")), oat = renderer.draw(view, *findModel("oat"));
+    std::printf("terrain: soft %.4f and oat %.4f from the reference, whose mean is %.3f\n", differenceOf(soft, truth),
+                differenceOf(oat, truth), meanOf(truth));
+    EXPECT_LT(differenceOf(soft, truth), 0.12 * meanOf(truth));
+    EXPECT_GT(differenceOf(oat, truth), 1.3 * differenceOf(soft, truth));
+    // Silhouettes fall on the same pixels: the sky's colour, untouched.
+    int both = 0, either = 0;
+    for (size_t i = 0; i < truth.pixels.size(); ++i) {
+        const bool a = truth.pixels[i] == view.sky, b = soft.pixels[i] == view.sky;
+        both += a && b;
+        either += a || b;
+    }
+    EXPECT_GT(both, 0.98 * either);
+    EXPECT_GT(either, 100);
+}
+
+TEST_F(GpuTest, SwitchesModelsWithoutAReload) {
+    const Asset asset = bakedScene("statue", 16);
+    View view;
+    view.width = view.height = 64;
+    view.camera = viewOf(asset.scene);
+    view.lights = {directionLight({1, 1, 1}, 0.02, vec3(500))};
+    Renderer renderer(*gpu, asset);
+    const Picture first = renderer.draw(view, kModels[0]);
+    for (const ModelInfo& model : kModels)
+        if (model.id != kModels[0].id) {
+            EXPECT_GT(differenceOf(first, renderer.draw(view, model)), 1e-3) << model.name;
+        }
+    EXPECT_EQ(differenceOf(first, renderer.draw(view, kModels[0])), 0);
+}
+
+TEST(Renderer, RefusesAPictureThatIsTooLarge) {
+    const Gpu gpu;
+    Asset asset;
+    Surface triangle;
+    triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    triangle.triangles = {{0, 1, 2}};
+    makeNormals(triangle);
+    asset.scene.surfaces = {triangle};
+    asset.scene.instances = {{0}};
+    asset.visibility = {std::vector<Visibility>(3)};
+    View view;
+    view.width = int(gpu.largestImage());
+    EXPECT_THROW(Renderer(gpu, asset).draw(view, kModels[0]), Error);
+}
+
+}  // namespace
+}  // namespace apertura::test

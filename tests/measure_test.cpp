@@ -1,0 +1,108 @@
+#include "bake/measure.h"
+
+#include "bake/load.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+double rmse(const Measurement& m, const std::string& model, double radius = 5, const std::string& source = "sh") {
+    for (const MeasureRow& row : m.rows)
+        if (row.model == model && row.source == source && row.lightRadius == radius) return row.rmse;
+    ADD_FAILURE() << "no row " << model;
+    return 0;
+}
+
+MeasureOptions at5(int receivers) {
+    MeasureOptions options;
+    options.lightRadii = {5};
+    options.receivers = receivers;
+    return options;
+}
+
+TEST(Truth, OfAnOpenLightIsTheClosedForm) {
+    Scene scene;
+    scene.name = "speck";
+    Surface speck;
+    speck.positions = {{0, -9, 0}, {1e-3f, -9, 0}, {0, -9, 1e-3f}};
+    speck.triangles = {{0, 2, 1}};
+    makeNormals(speck);
+    scene.surfaces = {speck};
+    scene.instances = {{0}};
+    const Tracer tracer(scene);
+    const SurfacePoint point{{0, 0, 0}, {0, 1, 0}};
+    for (double degrees : {0.27, 5.0, 30.0})
+        for (double elevation : {1.0, 20.0, 90.0}) {
+            const double r = degrees * kPi / 180, e = elevation * kPi / 180;
+            const dvec3 axis(std::cos(e), std::sin(e), 0);
+            const TruthSample t = traceLight(tracer, point, glm::vec3(axis), r, 1024, 0.3);
+            EXPECT_NEAR(t.mean(), exactShare({0, 1, 0}, {{axis, r}}, r), 2e-3);
+        }
+}
+
+TEST(Measure, ModelsStandInTheOrderOfTheTable) {
+    // MATH.md's table at 5 degrees: soft beats aperture beats oat, in every scene; ao loses to soft.
+    for (const char* name : {"terrain", "sphere-over-plane", "room-2", "canyon", "colonnade", "forest", "statue"}) {
+        const Measurement m = measureScene(makeBuiltin(name), at5(150));
+        EXPECT_LT(rmse(m, "soft"), rmse(m, "aperture")) << name;
+        EXPECT_LT(rmse(m, "aperture"), rmse(m, "oat")) << name;
+        EXPECT_LT(rmse(m, "soft"), rmse(m, "sh-l1")) << name;
+        EXPECT_LT(rmse(m, "sh-l1"), rmse(m, "ao") + 0.002) << name;
+        EXPECT_LT(m.rows[0].noise, 0.01) << name;
+        EXPECT_NEAR(rmse(m, "soft"), rmse(m, "soft", 5, "rays"), 1e-4) << name;
+        ASSERT_FALSE(m.paths.empty());
+        EXPECT_LT(m.paths[0].directionMax, 0.01);  // the same by construction
+    }
+}
+
+TEST(Measure, RealScenesReachTheirFigures) {
+    NEEDS_DATA();
+    const struct {
+        const char* file;
+        double soft, aperture;
+    } cases[] = {{"statues/stanford_bunny.obj", 0.074, 0.104},
+                 {"statues/armadillo_86k.obj", 0.110, 0.148},
+                 {"dem/andes_S33W071_srtm3_1201.tif", 0.039, 0.046}};
+    for (const auto& c : cases) {
+        const Measurement m = measureScene(loadScene((dataFolder() / c.file).string(), {90, 90}), at5(600));
+        std::printf("%s: soft %.4f aperture %.4f\n", c.file, rmse(m, "soft"), rmse(m, "aperture"));
+        EXPECT_LE(rmse(m, "soft"), c.soft) << c.file;
+        EXPECT_LE(rmse(m, "aperture"), c.aperture) << c.file;
+    }
+}
+
+TEST(Measure, AnAssetAddsItsBytesAndInterpolation) {
+    const Scene scene = makeBuiltin("statue");
+    Asset asset;
+    asset.scene = scene;
+    asset.visibility = bakeVertices(scene, Tracer(scene), {});
+    asset.info.model = "sh";
+    const Measurement whole = measureAsset(asset, at5(300)), own = measureScene(scene, at5(300));
+    EXPECT_GT(rmse(whole, "soft"), rmse(own, "soft"));
+    EXPECT_LT(rmse(whole, "soft"), rmse(own, "soft") + 0.1);
+    EXPECT_EQ(whole.rows[0].bytes, 4);
+}
+
+TEST(Measure, ASceneThatIsClosedIsDarkAndFinite) {
+    // Inside a shell: every receiver looks at its inner wall.
+    Scene scene;
+    scene.name = "shell";
+    Surface shell;
+    shell.positions = {{-1, -1, -1}, {1, -1, -1}, {0, -1, 1}, {0, 1, 0}};
+    shell.triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
+    makeNormals(shell);
+    for (glm::vec3& n : shell.normals) n = -n;
+    const glm::vec3 centre(0, -0.5f, 0);
+    if (glm::dot(shell.normals[3], centre - shell.positions[3]) < 0)
+        for (glm::vec3& n : shell.normals) n = -n;
+    scene.surfaces = {shell};
+    scene.instances = {{0}};
+    const Measurement m = measureScene(scene, at5(50));
+    for (const MeasureRow& row : m.rows) {
+        EXPECT_EQ(row.rmsTruth, 0);
+        EXPECT_LT(row.rmse, 1e-3) << row.model;
+    }
+}
+
+}  // namespace
+}  // namespace apertura::test

@@ -1,0 +1,112 @@
+#include "sh/soft.h"
+
+#include "bake/load.h"
+#include "bake/receivers.h"
+#include "sh/soft_solve.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+struct Integrals {
+    double area = 0;
+    dvec3 direction{0};
+};
+
+Integrals overHemisphere(const dvec3& normal, const dvec3& slope, double offset) {
+    Integrals out;
+    const auto lattice = sphereLattice(400000);
+    for (const dvec3& w : lattice) {
+        if (dot(w, normal) < 0) continue;
+        const double f = offset + dot(slope, w), v = 0.5 + 0.5 * f / std::sqrt(1 + f * f);
+        out.area += v;
+        out.direction += v * w;
+    }
+    out.area *= 4 * kPi / double(lattice.size());
+    out.direction *= 4 * kPi / double(lattice.size());
+    return out;
+}
+
+TEST(SoftSolve, HasTheIntegralsItWasAskedFor) {
+    Random random(21);
+    for (int trial = 0; trial < 12; ++trial) {
+        const double area = 2 * kPi * random(0.02, 0.98), psi = random(0, kPi), rho = random(0, 0.95);
+        const double reach = rho * area / 2 * (1 - area / (2 * kPi));  // inside the boundary, which is 1 or more
+        const SoftSolution s = solveSoft({area, area / 2 + reach * std::cos(psi), reach * std::sin(psi)});
+        const Integrals i = overHemisphere({0, 0, 1}, {s.t, 0, s.n}, s.offset);
+        EXPECT_NEAR(i.area, area, 2e-4);
+        EXPECT_NEAR(i.direction.z, area / 2 + reach * std::cos(psi), 2e-4);
+        EXPECT_NEAR(i.direction.x, reach * std::sin(psi), 2e-4);
+    }
+}
+
+TEST(SoftSolve, BoundaryIsWhereHardHalfSpacesLie) {
+    // Straight up and straight down it is 1 by its unit; half of the hemisphere on one side, lying: D = pi/2 (n + t).
+    EXPECT_NEAR(HardBoundary(1.0)(0), 1, 1e-6);
+    EXPECT_NEAR(HardBoundary(1.0)(kPi), 1, 1e-6);
+    EXPECT_NEAR(HardBoundary(kPi)(kPi / 2), 2, 1e-3);
+}
+
+TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
+    // Over what scenes hold: visibility at receivers of the built-in scenes, lights of all sizes.
+    Random random(23);
+    double sum = 0;
+    int count = 0;
+    for (const char* name : {"terrain", "statue", "canyon", "forest", "colonnade"}) {
+        const Scene scene = makeBuiltin(name);
+        const Tracer tracer(scene);
+        std::vector<SurfacePoint> points;
+        for (const SpreadPoint& p : spreadReceivers(scene, 150, 4)) points.push_back(p.at);
+        const std::vector<Visibility> visibility = bakePoints(tracer, points, {BakeModel::Sh, 1024});
+        for (size_t i = 0; i < points.size(); ++i) {
+            const vec3 n = points[i].normal;
+            const Visibility& v = visibility[i];
+            const double open = v.area / (2 * kPi);
+            if (open < 1e-3 || open > 0.999) continue;
+            const double dn = dot(v.direction, n);
+            const vec3 across = v.direction - float(dn) * n;
+            const SoftSolution s = solveSoft({v.area, dn, length(across)});
+            if (!(std::hypot(s.n, s.t) < 1e3)) continue;  // a hard edge has no soft solution
+            const vec3 side = length(across) > 0 ? normalize(across) : vec3(0);
+            const SoftAperture full{float(s.n) * n + float(s.t) * side, float(s.offset)}, table = toSoft(v, n);
+            for (int k = 0; k < 40; ++k) {
+                dvec3 l = random.direction();
+                if (dot(l, dvec3(n)) < 0) l = -l;
+                const double r = 0.27 * std::pow(45 / 0.27, random()) * kPi / 180;
+                const CapLight light = capLight(l, r);
+                const double e = normalised(lightThroughSoft(n, table, light) - lightThroughSoft(n, full, light), r);
+                sum += e * e;
+                ++count;
+            }
+        }
+    }
+    ASSERT_GT(count, 10000);
+    const double rms = std::sqrt(sum / count);
+    std::printf("table against full solve: rms %.5f over %d lights\n", rms, count);
+    EXPECT_LE(rms, 0.003);
+}
+
+TEST(Soft, IsFiniteAndInRangeForAnything) {
+    Random random(25);
+    for (int i = 0; i < 200000; ++i) {
+        const double area = std::pow(10, random(-8, 1)) * (random() < 0.05 ? 0 : 1);
+        const vec3 n(normalize(random.direction()));
+        const Visibility v{vec3(random.direction() * area * random(0, 1.5)), float(area)};
+        const SoftAperture soft = toSoft(v, n);
+        const CapLight light = capLight(random.direction(), random(1e-4, kPi / 2));
+        const float e = lightThroughSoft(n, soft, light);
+        ASSERT_TRUE(std::isfinite(soft.offset) && std::isfinite(length(soft.slope)));
+        ASSERT_TRUE(e >= 0 && e <= 1.001f * lightAboveHorizon(n, light) + 1e-12f);
+    }
+}
+
+TEST(Soft, OfAnEvenHazeIsTheHaze) {
+    const vec3 n(0, 1, 0);
+    const SoftAperture soft = toSoft({float(kPi) * 0.3f * n, float(2 * kPi) * 0.3f}, n);
+    EXPECT_LT(length(soft.slope), 0.02f);
+    const CapLight light = capLight(normalize(dvec3(1, 1, 0)), 0.1);
+    EXPECT_NEAR(lightThroughSoft(n, soft, light) / lightAboveHorizon(n, light), 0.3, 0.003);
+}
+
+}  // namespace
+}  // namespace apertura::test

@@ -1,0 +1,82 @@
+#pragma once
+// What several tests share: random directions, brute force, and where things are.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <cstring>
+#include <fstream>
+#include <glm/glm.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sh/cap_reference.h"
+#include "sh/shading.h"
+
+namespace apertura::test {
+
+inline constexpr double kPi = 3.14159265358979323846;
+
+struct Random {
+    std::mt19937_64 engine;
+    explicit Random(uint64_t seed) : engine(seed) {}
+    double operator()() { return std::uniform_real_distribution<double>(0, 1)(engine); }
+    double operator()(double low, double high) { return low + (high - low) * (*this)(); }
+    glm::dvec3 direction() {
+        const double z = (*this)(-1, 1), turn = (*this)(0, 2 * kPi), s = std::sqrt(1 - z * z);
+        return {s * std::cos(turn), s * std::sin(turn), z};
+    }
+};
+
+// `n` directions, each standing for 4 pi / n sr.
+inline std::vector<glm::dvec3> sphereLattice(int n) {
+    std::vector<glm::dvec3> out;
+    for (int i = 0; i < n; ++i) {
+        const double z = 1 - 2 * (i + 0.5) / n, s = std::sqrt(1 - z * z), turn = i * kPi * (3 - std::sqrt(5.0));
+        out.emplace_back(s * std::cos(turn), s * std::sin(turn), z);
+    }
+    return out;
+}
+
+inline CapLight capLight(const glm::dvec3& axis, double radius) {
+    const double half = std::sin(radius / 2);
+    return {vec3(axis), float(std::sin(radius)), float(2 * half * half)};
+}
+
+inline Aperture capAperture(const glm::dvec3& axis, double radius) {
+    const double half = std::sin(radius / 2);
+    return {vec3(axis), float(2 * half * half)};
+}
+
+// E / (pi sin^2 r) of a cap light, in float32, and exactly.
+inline double normalised(float e, double radius) { return e / (kPi * std::sin(radius) * std::sin(radius)); }
+inline double exactShare(const glm::dvec3& normal, std::vector<ExactCap> caps, double lightRadius) {
+    caps.push_back({normal, kPi / 2});
+    return glm::dot(normal, vectorIrradiance(caps)) / (kPi * std::sin(lightRadius) * std::sin(lightRadius));
+}
+
+// The folder of real scenes beside the checkout, or nothing.
+inline std::filesystem::path dataFolder() { return std::filesystem::path(APERTURA_SOURCE) / ".." / "shared" / "data"; }
+#define NEEDS_DATA()                                      \
+    if (!std::filesystem::exists(apertura::test::dataFolder())) \
+    GTEST_SKIP() << "the real scenes of ../shared/data are not here"
+
+// A folder of the test's own, removed with it.
+struct Folder {
+    std::filesystem::path path;
+    Folder() {
+        std::string pattern = (std::filesystem::temp_directory_path() / "aperturaXXXXXX").string();
+        path = mkdtemp(pattern.data());
+    }
+    ~Folder() { std::filesystem::remove_all(path); }
+    std::string operator/(const std::string& name) const { return (path / name).string(); }
+    size_t files() const {
+        return size_t(std::distance(std::filesystem::directory_iterator(path), std::filesystem::directory_iterator()));
+    }
+    std::string write(const std::string& name, const std::string& text) const {
+        std::ofstream(path / name, std::ios::binary) << text;
+        return *this / name;
+    }
+};
+
+}  // namespace apertura::test
