@@ -153,7 +153,7 @@ void statue(Scene& scene) {
     });
     add(scene, surface, true);
     scene.skyAboveGround = false;
-    scene.camera = look({1.4f, 1.3f, 3.3f}, {0, 0, 0}, 0.65f);
+    scene.camera = look({1.7f, 1.6f, 4.1f}, {0, 0.05f, 0}, 0.65f);
 }
 
 struct Builtin {

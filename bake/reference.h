@@ -6,8 +6,8 @@
 namespace apertura {
 
 struct ReferenceOptions {
-    int lightRays = 16;  // to each light, a sample of the picture
-    int skyRays = 64;    // over the hemisphere, a sample
+    int lightRays = 8;  // to each light, a sample of the picture
+    int skyRays = 32;    // over the hemisphere, a sample
     uint32_t seed = 1;
     int threads = 0;
 };
