@@ -91,6 +91,11 @@ void room(Scene& scene, int windows) {
     addPanel(ceiling, {-x, height, -z}, {width, 0, 0}, {0, 0, depth}, cell, windows >= 3 ? std::span(&sky, 1) : none);
     add(scene, inside, true);
     add(scene, ceiling, false);
+    // The ground outside, level with the floor: through a window it is not sky.
+    Surface outside;
+    const Rect house{20 - x, 20 - z, 20 + x, 20 + z};
+    addPanel(outside, {-20, 0, 20}, {40, 0, 0}, {0, 0, -40}, 1, {&house, 1});
+    add(scene, outside, false);
     scene.camera = look({-2.7f, 1.7f, 2.3f}, {0.6f, 0.9f, -1.2f}, 1.2f);
 }
 

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "runtime/file.h"
 #include "runtime/gltf.h"
@@ -142,6 +144,18 @@ void mergeBuffers(Model& model) {
     }
 }
 
+// tinygltf writes the far plane of an infinite projection, which glTF leaves out, as 0. True if it did.
+bool dropEmptyFarPlanes(nlohmann::json& document) {
+    bool changed = false;
+    if (!document.contains("cameras")) return false;
+    for (auto& camera : document["cameras"])
+        if (camera.contains("perspective") && camera["perspective"].value("zfar", 1.0) == 0) {
+            camera["perspective"].erase("zfar");
+            changed = true;
+        }
+    return changed;
+}
+
 Value describe(const BakeInfo& info) {
     return Value(Value::Object{{"version", Value(info.version)},
                                {"scene", Value(info.scene)},
@@ -206,10 +220,15 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     }
     if (model.buffers[0].data.size() > std::numeric_limits<uint32_t>::max() - (1u << 24))
         throw Error(path + ": the asset would be larger than the 4 GiB of a .glb");
+    std::ostringstream stream;
+    if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, true))
+        throw Error(path + ": cannot be written as glTF");
+    const std::string text = std::move(stream).str();
+    const std::vector<unsigned char> bytes = editGltfJson({text.begin(), text.end()}, path, dropEmptyFarPlanes);
     std::ofstream out(file.name(), std::ios::binary);
-    const bool written = tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
+    out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
     out.close();
-    if (!written || !out) throw Error(path + ": cannot be written: " + std::strerror(errno));
+    if (!out) throw Error(path + ": cannot be written: " + std::strerror(errno));
     file.commit();
 }
 

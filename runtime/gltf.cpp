@@ -70,33 +70,6 @@ uint32_t word(const std::vector<unsigned char>& bytes, size_t at) {
     return value;
 }
 
-// The file's bytes with its JSON checked, and mended where tinygltf would not read it.
-std::vector<unsigned char> prepare(std::vector<unsigned char> bytes, const std::string& path) {
-    const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
-    size_t begin = 0, end = bytes.size();
-    if (binary) {
-        if (bytes.size() < 20 || word(bytes, 8) != bytes.size() || word(bytes, 12) > bytes.size() - 20)
-            throw Error(path + ": truncated or damaged: " + std::to_string(bytes.size()) + " bytes where the header says "
-                        + std::to_string(bytes.size() >= 12 ? word(bytes, 8) : 12));
-        begin = 20;
-        end = begin + word(bytes, 12);
-    }
-    Json document = Json::parse(bytes.begin() + ptrdiff_t(begin), bytes.begin() + ptrdiff_t(end));
-    requireKnownExtensions(document, path);
-    if (!fillFallbackBuffers(document)) return bytes;
-    std::string text = document.dump();
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    std::vector<unsigned char> out(bytes.begin(), bytes.begin() + ptrdiff_t(begin));
-    out.insert(out.end(), text.begin(), text.end());
-    out.insert(out.end(), bytes.begin() + ptrdiff_t(end), bytes.end());
-    if (binary) {
-        const auto length = uint32_t(text.size()), total = uint32_t(out.size());
-        std::memcpy(&out[8], &total, 4);
-        std::memcpy(&out[12], &length, 4);
-    }
-    return out;
-}
-
 Model parse(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     if (!in) throw Error(path + ": cannot be opened: " + std::strerror(errno));
@@ -111,7 +84,10 @@ Model parse(const std::string& path) {
     const std::string folder = std::filesystem::path(path).parent_path().string();
     bool ok = false;
     try {
-        bytes = prepare(std::move(bytes), path);
+        bytes = editGltfJson(std::move(bytes), path, [&](Json& document) {
+            requireKnownExtensions(document, path);
+            return fillFallbackBuffers(document);
+        });
         const auto size = uint32_t(bytes.size());
         if (std::memcmp(bytes.data(), "glTF", 4) == 0)
             ok = loader.LoadBinaryFromMemory(&model, &error, &warning, bytes.data(), size, folder);
@@ -435,6 +411,32 @@ std::vector<float> readAccessor(const Model& model, int index, int components, c
             for (int c = 0; c < components; ++c)
                 out[at * components + c] = component(values + i * valueStride + c * size);
         }
+    }
+    return out;
+}
+
+std::vector<unsigned char> editGltfJson(std::vector<unsigned char> bytes, const std::string& path,
+                                        const std::function<bool(nlohmann::json&)>& edit) {
+    const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+    size_t begin = 0, end = bytes.size();
+    if (binary) {
+        if (bytes.size() < 20 || word(bytes, 8) != bytes.size() || word(bytes, 12) > bytes.size() - 20)
+            throw Error(path + ": truncated or damaged: " + std::to_string(bytes.size()) + " bytes where the header says "
+                        + std::to_string(bytes.size() >= 12 ? word(bytes, 8) : 12));
+        begin = 20;
+        end = begin + word(bytes, 12);
+    }
+    Json document = Json::parse(bytes.begin() + ptrdiff_t(begin), bytes.begin() + ptrdiff_t(end));
+    if (!edit(document)) return bytes;
+    std::string text = document.dump();
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    std::vector<unsigned char> out(bytes.begin(), bytes.begin() + ptrdiff_t(begin));
+    out.insert(out.end(), text.begin(), text.end());
+    out.insert(out.end(), bytes.begin() + ptrdiff_t(end), bytes.end());
+    if (binary) {
+        const auto length = uint32_t(text.size()), total = uint32_t(out.size());
+        std::memcpy(&out[8], &total, 4);
+        std::memcpy(&out[12], &length, 4);
     }
     return out;
 }

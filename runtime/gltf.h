@@ -2,6 +2,9 @@
 // glTF 2.0 files, read and kept whole, so that an asset can be written back with nothing lost.
 #include <tiny_gltf.h>
 
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+
 #include "runtime/error.h"
 #include "runtime/scene.h"
 
@@ -21,5 +24,10 @@ Scene readGltf(const std::string& path);
 // Bounds, strides and types are checked against the buffers. Throws Error naming `path`.
 std::vector<float> readAccessor(const tinygltf::Model& model, int accessor, int components,
                                 const std::string& path);
+
+// The bytes of a .gltf or .glb with its JSON changed by `edit`, or as they are where it returns false.
+// Throws Error naming `path`, or what the JSON parser throws.
+std::vector<unsigned char> editGltfJson(std::vector<unsigned char> bytes, const std::string& path,
+                                        const std::function<bool(nlohmann::json&)>& edit);
 
 }  // namespace apertura

@@ -17,11 +17,13 @@ int main(int argc, char** argv) {
     std::fprintf(out, "// Made by make_soft_table: for each area and psi the hard boundary, then its nodes.\n");
     for (int i = 0; i < soft_grid::kAreas; ++i) {
         const double least = soft_grid::kLeastArea;
-        const double x = std::clamp((1 - std::cos(pi * i / (soft_grid::kAreas - 1))) / 2, least, 1 - least);
+        const double u = double(i) / (soft_grid::kAreas - 1);
+        const double x = std::clamp(u * u / (u * u + (1 - u) * (1 - u)), least, 1 - least);
         const double area = 2 * pi * x, haze = softLinkInverse(x);
         const HardBoundary boundary(area);
         for (int j = 0; j < soft_grid::kPsis; ++j) {
-            const double psi = pi * j / (soft_grid::kPsis - 1), edge = boundary(psi);
+            const double p = 1 - 2.0 * j / (soft_grid::kPsis - 1), psi = std::atan2(1 - std::abs(p), p);
+            const double edge = boundary(psi);
             std::fprintf(out, "{%.8ef, {", edge);
             for (int k = 0; k < soft_grid::kReaches; ++k) {
                 const double reach = std::max<double>(soft_grid::kReach * k / (soft_grid::kReaches - 1), 1e-4);
@@ -31,7 +33,7 @@ int main(int argc, char** argv) {
                     solveSoft({area, area / 2 + length * std::cos(psi), length * std::sin(psi)});
                 const double sharp = std::hypot(s.n, s.t);
                 std::fprintf(out, "{%.8ef,%.8ef,%.8ef},", sharp * std::sqrt((1 - rho) * x * (1 - x)) / rho,
-                             std::remainder(std::atan2(s.t, s.n) - psi, 2 * pi),
+                             std::tan(std::remainder(std::atan2(s.t, s.n) - psi, 2 * pi) / 2),
                              s.offset / std::sqrt(1 + haze * haze + sharp * sharp));
             }
             std::fprintf(out, "}},\n");

@@ -42,9 +42,11 @@ SoftAperture toSoft(const Visibility& any, const vec3& normal) {
     const vec3 across = direction - n * normal;
     const float t = even ? 0 : length(across);
     const float above = n - kPi * x;
-    const float psi = std::atan2(t, above);
+    const float distance = std::sqrt(above * above + t * t);
 
-    const Cell area(std::acos(1 - 2 * x) / kPi, soft_grid::kAreas), turn(psi / kPi, soft_grid::kPsis);
+    const float rootOpen = std::sqrt(x), rootBlocked = std::sqrt(1 - x);
+    const Cell area(rootOpen / (rootOpen + rootBlocked), soft_grid::kAreas);
+    const Cell turn(0.5f - 0.5f * above / std::max(std::abs(above) + t, 1e-20f), soft_grid::kPsis);
     const float w[4] = {(1 - area.t) * (1 - turn.t), (1 - area.t) * turn.t, area.t * (1 - turn.t),
                         area.t * turn.t};
     const Column* first = &kTable[area.index * soft_grid::kPsis + turn.index];
@@ -52,7 +54,7 @@ SoftAperture toSoft(const Visibility& any, const vec3& normal) {
     float boundary = 0;
     for (int c = 0; c < 4; ++c) boundary += w[c] * columns[c]->boundary;
 
-    float rho = std::sqrt(above * above + t * t) / (kPi * x * (1 - x) * boundary);
+    float rho = distance / (kPi * x * (1 - x) * boundary);
     const float reach = std::min(1 - std::sqrt(1 - std::min(rho, 1.0f)), soft_grid::kReach);
     rho = 1 - (1 - reach) * (1 - reach);
     const Cell depth(reach / soft_grid::kReach, soft_grid::kReaches);
@@ -68,10 +70,11 @@ SoftAperture toSoft(const Visibility& any, const vec3& normal) {
     const float slope = sharpness * rho / std::sqrt((1 - rho) * variance);
     // softLinkInverse(x)^2 + 1, in closed form
     const float haze = 1 / (4 * variance);
-    const float tilt = psi + lean;
-    const vec3 side = t > 0 ? across / t : vec3(0);
-    return {slope * (std::cos(tilt) * normal + std::sin(tilt) * side),
-            offset * std::sqrt(haze + slope * slope)};
+    // The direction (above, t), turned by the lean.
+    const float scale = slope / (std::max(distance, 1e-20f) * (1 + lean * lean));
+    const float c = 1 - lean * lean, s = 2 * lean;
+    const float alongNormal = scale * (c * above - s * t), sideways = t > 0 ? scale * (c * t + s * above) / t : 0.0f;
+    return {alongNormal * normal + sideways * across, offset * std::sqrt(haze + slope * slope)};
 }
 
 }  // namespace apertura

