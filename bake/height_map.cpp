@@ -17,7 +17,7 @@ namespace apertura {
 namespace {
 
 constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
-constexpr int64_t kMostTexels = int64_t(1) << 27;  // 11 600 squared; a mesh of it would fill 10 GiB
+constexpr int64_t kMostTexels = int64_t(1) << 26;  // 8192 squared; more would not fit into a .glb
 
 struct HeightMap {
     int width = 0, height = 0;

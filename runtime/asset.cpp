@@ -271,7 +271,7 @@ Asset toAsset(Scene scene) {
         };
         asset.info.version = text("version");
         asset.info.scene = text("scene");
-        asset.info.model = text("model");
+        if (!text("model").empty()) asset.info.model = text("model");
         asset.info.rays = int(std::clamp(number("rays", 0), 0.0, 1e9));
         asset.info.seed = uint32_t(std::clamp(number("seed", 0), 0.0, 4294967295.0));
         asset.info.maxDistance = number("maxDistance", 0);

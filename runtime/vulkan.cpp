@@ -247,6 +247,18 @@ void GpuImage::transition(VkCommandBuffer commands, VkImageLayout from, VkImageL
     vkCmdPipelineBarrier2(commands, &dependency);
 }
 
+void letHostRead(VkCommandBuffer commands, VkPipelineStageFlags2 stage, VkAccessFlags2 access) {
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = stage;
+    barrier.srcAccessMask = access;
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.memoryBarrierCount = 1;
+    dependency.pMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands, &dependency);
+}
+
 GpuShader::GpuShader(const Gpu& gpu, std::span<const uint32_t> words) : gpu_(gpu) {
     VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     info.codeSize = words.size_bytes();

@@ -96,6 +96,9 @@ private:
     VkImageAspectFlags aspect_;
 };
 
+// Makes what `stage` wrote with `access` visible to the host once the commands have run.
+void letHostRead(VkCommandBuffer commands, VkPipelineStageFlags2 stage, VkAccessFlags2 access);
+
 // A shader module from SPIR-V words; destroyed with it.
 class GpuShader {
 public:

@@ -1,7 +1,11 @@
 // Speeds, as ratios within one run wherever a machine would matter. Run by hand: build/release/tests/bench
 #include <benchmark/benchmark.h>
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <chrono>
 #include <cstring>
@@ -70,9 +74,17 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
     }
     alignas(64) int valid[16];
     std::fill(std::begin(valid), std::end(valid), -1);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+#if RTC_VERSION_MAJOR >= 4
+    RTCOccludedArguments how;
+    rtcInitOccludedArguments(&how);
+    how.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    auto trace = [&](RTCRay16& rays) { rtcOccluded16(valid, scene, &rays, &how); };
+#else
+    RTCIntersectContext how;
+    rtcInitIntersectContext(&how);
+    how.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    auto trace = [&](RTCRay16& rays) { rtcOccluded16(valid, scene, &how, &rays); };
+#endif
     BakeOptions options;
     options.threads = 1;
     double baking = 0, bare = 0;
@@ -81,7 +93,7 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
         bare += seconds([&] {
             for (const RTCRay16& packet : packets) {
                 RTCRay16 rays = packet;  // the query writes its answer into them
-                rtcOccluded16(valid, scene, &context, &rays);
+                trace(rays);
                 benchmark::DoNotOptimize(rays.tfar);
             }
         });
