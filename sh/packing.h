@@ -11,15 +11,17 @@ namespace apertura {
 using Packed8 = std::array<int8_t, 4>;    // 4 bytes a point
 using Packed16 = std::array<int16_t, 4>;  // 8 bytes a point
 
-// Largest errors of unpack(pack(v)) for any possible v. `area` is of A / 2 pi; `direction` is of each
-// component of D / A. The angle between the axes is at most asin(sqrt(3) direction / |D / A|) radians.
-// A point that is open by less than `closed` of the hemisphere comes back closed.
+// Bounds on the errors of unpack(pack(v)), for any possible v. `area` is of A / 2 pi. `direction` is the
+// length of the error of D / A: half a step a component from rounding, and a quarter of a step where the
+// result is clamped to what is possible. The angle between the axes is at most asin(direction / |D / A|).
+// A point that is open by no more than `closed` of the hemisphere comes back closed.
 struct PackingError {
     double area, direction, closed;
 };
 constexpr PackingError packingError(int bits) {
     const double step = 1.0 / ((1 << (bits - 1)) - 1);
-    return {step / 2 + step * step / 16, step / 2 + 1e-6, step * step / 16};
+    constexpr double halfDiagonal = 0.8660254037844386;  // sqrt(3) / 2
+    return {step / 2 + step * step / 16, (halfDiagonal + 0.25) * step + 1e-6, step * step / 16};
 }
 
 // `v` is first clamped to what is possible (clampToPossible).

@@ -13,7 +13,8 @@ struct SoftAperture {
 
 // E of a cap light through a soft aperture, cut by the receiver's horizon.
 // The light is averaged over its disc: `spread` is the variance of the plane across it, and `sunk`
-// leans a light that the horizon cuts towards the part that is left.
+// leans a light that the horizon cuts towards the part that is left. Within 0.014 RMS (0.15 max) of the
+// model's own integral over the light, for radii 0.27..45 degrees: tests/soft_test.cpp.
 APERTURA_FN float lightThroughSoft(vec3 normal, SoftAperture soft, CapLight light) {
     float z = dot(normal, light.axis);
     float s = light.sinRadius;

@@ -86,6 +86,41 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
     EXPECT_LE(rms, 0.003);
 }
 
+TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
+    // The formula against brute force over the light's disc, for soft apertures of all kinds.
+    Random random(27);
+    double sum = 0, worst = 0;
+    const int trials = 3000, rings = 24, turns = 48;
+    const dvec3 n(0, 0, 1);
+    for (int i = 0; i < trials; ++i) {
+        const double area = 2 * kPi * random(0.05, 0.95);
+        dvec3 d = random.direction();
+        d.z = std::abs(d.z);
+        const Visibility v{vec3(d * area * (1 - area / (4 * kPi)) * std::sqrt(random())), float(area)};
+        const SoftAperture soft = toSoft(v, vec3(n));
+        dvec3 axis = random.direction();
+        axis.z = std::abs(axis.z) - 0.1;
+        axis = normalize(axis);
+        const double r = 0.27 * std::pow(45 / 0.27, random()) * kPi / 180, height = 1 - std::cos(r);
+        const dvec3 u = normalize(cross(axis, dvec3(0.3, 0.5, 0.81))), w = cross(axis, u);
+        double e = 0;
+        for (int a = 0; a < rings; ++a)
+            for (int b = 0; b < turns; ++b) {
+                const double h = height * (a + 0.5) / rings, s = std::sqrt(h * (2 - h)), turn = 2 * kPi * (b + 0.5 * (a % 2)) / turns;
+                const dvec3 l = (1 - h) * axis + s * (std::cos(turn) * u + std::sin(turn) * w);
+                const double f = soft.offset + dot(dvec3(soft.slope), l);
+                e += std::max(l.z, 0.0) * softLink(f);
+            }
+        e *= 2 * kPi * height / (rings * turns) / (kPi * std::sin(r) * std::sin(r));
+        const double error = normalised(lightThroughSoft(vec3(n), soft, capLight(axis, r)), r) - e;
+        sum += error * error;
+        worst = std::max(worst, std::abs(error));
+    }
+    std::printf("soft light against brute force: rms %.4f max %.4f\n", std::sqrt(sum / trials), worst);
+    EXPECT_LE(std::sqrt(sum / trials), 0.014);
+    EXPECT_LE(worst, 0.15);
+}
+
 TEST(Soft, IsFiniteAndInRangeForAnything) {
     Random random(25);
     for (int i = 0; i < 200000; ++i) {

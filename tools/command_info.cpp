@@ -39,8 +39,8 @@ nlohmann::ordered_json describe(const std::string& file) {
             {"closed_vertices", closed},
             {"error_bounds",
              {{"area_of_hemisphere", error.area},
-              {"direction_component", error.direction},
-              {"direction_degrees_of_a_cap", std::asin(std::sqrt(3.0) * error.direction / 0.5) * 180 / PI}}}};
+              {"direction", error.direction},
+              {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / PI}}}};
 }
 
 void print(const nlohmann::ordered_json& d) {
@@ -55,8 +55,8 @@ void print(const nlohmann::ordered_json& d) {
     std::printf("  visibility    %.3f of the hemisphere open on average, capness %.3f, %zu vertices closed\n",
                 d["mean_open"].get<double>(), d["mean_capness"].get<double>(), d["closed_vertices"].get<size_t>());
     const auto& e = d["error_bounds"];
-    std::printf("  error bounds  area %.5f of the hemisphere, direction %.5f a component of D/A (%.3f degrees for a cap)\n",
-                e["area_of_hemisphere"].get<double>(), e["direction_component"].get<double>(),
+    std::printf("  error bounds  area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap)\n",
+                e["area_of_hemisphere"].get<double>(), e["direction"].get<double>(),
                 e["direction_degrees_of_a_cap"].get<double>());
 }
 
