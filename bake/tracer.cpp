@@ -117,11 +117,12 @@ void Tracer::occluded(const glm::vec3& origin, std::span<const glm::vec3> direct
 #if RTC_VERSION_MAJOR >= 4
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
-    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
 #else
+    // Not COHERENT: Embree 3.13 then loops for ever on some packets into instances.
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
 #endif
     constexpr size_t lanes = 16;
     RTCRay16 rays;

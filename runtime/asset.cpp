@@ -117,6 +117,15 @@ Model makeDocument(Scene& scene) {
     return model;
 }
 
+// By the first bytes of the file, as each format's specification has them.
+std::string mimeTypeOf(const std::vector<unsigned char>& bytes) {
+    const std::string head(bytes.begin(), bytes.begin() + ptrdiff_t(std::min<size_t>(bytes.size(), 12)));
+    if (head.starts_with("\xFF\xD8")) return "image/jpeg";
+    if (head.starts_with("\xABKTX 20")) return "image/ktx2";
+    if (head.starts_with("RIFF") && head.substr(8) == "WEBP") return "image/webp";
+    return "image/png";
+}
+
 // A .glb holds one buffer: all of them, one behind the other, images included.
 void mergeBuffers(Model& model) {
     std::vector<unsigned char> all;
@@ -128,6 +137,7 @@ void mergeBuffers(Model& model) {
     }
     for (auto& view : model.bufferViews)
         if (view.buffer >= 0) {
+            if (size_t(view.buffer) >= start.size()) throw Error("a buffer view's buffer does not exist");
             view.byteOffset += start[view.buffer];
             view.buffer = 0;
         }
@@ -138,7 +148,7 @@ void mergeBuffers(Model& model) {
     model.buffers.assign(1, merged);
     for (auto& image : model.images) {
         if (image.bufferView >= 0 || image.image.empty()) continue;
-        if (image.mimeType.empty()) image.mimeType = image.image[0] == 0xFF ? "image/jpeg" : "image/png";
+        if (image.mimeType.empty()) image.mimeType = mimeTypeOf(image.image);
         image.bufferView = addView(model, image.image.data(), image.image.size(), 0);
         image.uri.clear();
     }
@@ -183,7 +193,11 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     PendingFile file(path);
     Scene scene = given;
     Model model = scene.document ? scene.document->model : makeDocument(scene);
-    mergeBuffers(model);
+    try {
+        mergeBuffers(model);
+    } catch (const Error& e) {
+        throw Error(scene.name + ": " + e.what());
+    }
     model.asset.generator = "Apertura " + info.version;
     Value::Object extras;
     if (model.asset.extras.IsObject()) extras = model.asset.extras.Get<Value::Object>();
@@ -251,6 +265,11 @@ Asset toAsset(Scene scene) {
         if (found == attributes.end())
             throw Error(scene.name + ": mesh " + std::to_string(mesh) + " holds no baked visibility");
         const std::vector<float> values = readAccessor(model, found->second, 4, scene.name);
+        const tinygltf::Accessor& stored = model.accessors[found->second];
+        const bool wide = stored.componentType == TINYGLTF_COMPONENT_TYPE_SHORT;
+        if (!stored.normalized || (!wide && stored.componentType != TINYGLTF_COMPONENT_TYPE_BYTE))
+            throw Error(scene.name + ": _VISIBILITY is not of normalised bytes or shorts");
+        asset.info.bits = wide ? 16 : 8;
         const glm::mat3 rotation = rotationPart(instance.toWorld);
         std::vector<Visibility> points(values.size() / 4);
         for (size_t i = 0; i < points.size(); ++i) {
@@ -258,8 +277,6 @@ Asset toAsset(Scene scene) {
             points[i].direction = rotation * points[i].direction;
         }
         asset.visibility.push_back(std::move(points));
-        const int type = model.accessors[found->second].componentType;
-        asset.info.bits = type == TINYGLTF_COMPONENT_TYPE_SHORT ? 16 : 8;
     }
     if (model.asset.extras.IsObject() && model.asset.extras.Has("apertura")) {
         const Value& stored = model.asset.extras.Get("apertura");

@@ -13,9 +13,12 @@ namespace apertura {
 namespace fs = std::filesystem;
 
 PendingFile::PendingFile(std::string path) : path_(std::move(path)) {
-    const fs::path final(path_);
     std::error_code ignored;
-    if (fs::is_directory(final, ignored)) throw Error(path_ + ": is a folder");
+    if (fs::is_directory(path_, ignored)) throw Error(path_ + ": is a folder");
+    if (fs::exists(path_, ignored) && !fs::is_regular_file(path_, ignored)) throw Error(path_ + ": is not an ordinary file");
+    if (fs::is_symlink(path_, ignored) && fs::exists(path_, ignored)) target_ = fs::canonical(path_, ignored).string();
+    if (target_.empty()) target_ = path_;
+    const fs::path final(target_);
     fs::path name(".");
     name += final.stem();
     name += "." + std::to_string(getpid());
@@ -35,7 +38,7 @@ PendingFile::~PendingFile() {
 
 void PendingFile::commit() {
     std::error_code error;
-    fs::rename(temporary_, path_, error);
+    fs::rename(temporary_, target_, error);
     if (error) throw Error(path_ + ": cannot be written: " + error.message());
     temporary_.clear();
 }

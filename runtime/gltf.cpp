@@ -18,6 +18,9 @@ namespace {
 using tinygltf::Model;
 using tinygltf::Value;
 
+constexpr size_t kLargestDecoded = size_t(1) << 28;  // bytes of one decoded buffer view
+constexpr int kDeepest = 200;                        // nested arrays and objects; the parsers recurse
+
 // Images stay the bytes they are in the file.
 bool keepImage(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
                int size, void*) {
@@ -55,13 +58,33 @@ bool fillFallbackBuffers(Json& document) {
         const Json& extensions = buffer["extensions"];
         if (!extensions.is_object() || !extensions.contains("EXT_meshopt_compression")) continue;
         const uint64_t size = buffer.value("byteLength", uint64_t(0));
-        if (size > (uint64_t(1) << 30)) continue;
+        if (size > kLargestDecoded) continue;
         std::string zeros((size + 2) / 3 * 4, 'A');
         for (size_t i = 0; i < (3 - size % 3) % 3; ++i) zeros[zeros.size() - 1 - i] = '=';
         buffer["uri"] = "data:application/octet-stream;base64," + zeros;
         changed = true;
     }
     return changed;
+}
+
+// Whether JSON text nests deeper than the parsers can follow.
+bool nestsTooDeep(const unsigned char* text, size_t size) {
+    int depth = 0;
+    bool quoted = false;
+    for (size_t i = 0; i < size; ++i) {
+        const unsigned char c = text[i];
+        if (quoted) {
+            if (c == '\\') ++i;
+            quoted = c != '"';
+        } else if (c == '"') {
+            quoted = true;
+        } else if (c == '{' || c == '[') {
+            if (++depth > kDeepest) return true;
+        } else if (c == '}' || c == ']') {
+            --depth;
+        }
+    }
+    return false;
 }
 
 uint32_t word(const std::vector<unsigned char>& bytes, size_t at) {
@@ -122,8 +145,9 @@ void decodeMeshopt(Model& model, const std::string& path) {
         auto text = [&](const char* key) { return packed.Has(key) ? packed.Get(key).Get<std::string>() : std::string(); };
         const std::string mode = text("mode"), filter = text("filter");
         const Error broken(path + ": a compressed buffer view is damaged");
-        if (buffer >= model.buffers.size() || stride == 0 || stride > 256 || count > (1u << 30)
-            || offset + length > model.buffers[buffer].data.size())
+        const size_t available = buffer < model.buffers.size() ? model.buffers[buffer].data.size() : 0;
+        if (stride == 0 || stride > 256 || count > kLargestDecoded / stride || offset > available
+            || length > available - offset)
             throw broken;
         const unsigned char* source = model.buffers[buffer].data.data() + offset;
         tinygltf::Buffer plain;
@@ -286,7 +310,7 @@ Surface readPrimitive(const Model& model, const tinygltf::Primitive& primitive, 
 // Walks the scene's nodes; glTF forbids cycles and files have them all the same.
 class Walker {
 public:
-    Walker(Scene& scene, const Model& model) : scene_(scene), model_(model), open_(model.nodes.size()) {
+    Walker(Scene& scene, const Model& model) : scene_(scene), model_(model), open_(model.nodes.size()), seen_(model.nodes.size()) {
         first_.resize(model.meshes.size(), -1);
     }
 
@@ -295,6 +319,8 @@ public:
         if (index < 0 || size_t(index) >= model_.nodes.size())
             throw Error(path + ": node " + std::to_string(index) + " does not exist");
         if (open_[index]) throw Error(path + ": node " + std::to_string(index) + " is its own ancestor");
+        if (seen_[index]) throw Error(path + ": node " + std::to_string(index) + " has two parents");
+        seen_[index] = true;
         if (depth > 1000) throw Error(path + ": nodes are nested more than 1000 deep");
         open_[index] = true;
         const tinygltf::Node& node = model_.nodes[index];
@@ -332,7 +358,7 @@ private:
 
     Scene& scene_;
     const Model& model_;
-    std::vector<bool> open_;
+    std::vector<bool> open_, seen_;
     std::vector<int> first_;
 };
 
@@ -426,6 +452,7 @@ std::vector<unsigned char> editGltfJson(std::vector<unsigned char> bytes, const 
         begin = 20;
         end = begin + word(bytes, 12);
     }
+    if (nestsTooDeep(bytes.data() + begin, end - begin)) throw Error(path + ": not a valid glTF file: nested too deep");
     Json document = Json::parse(bytes.begin() + ptrdiff_t(begin), bytes.begin() + ptrdiff_t(end));
     if (!edit(document)) return bytes;
     std::string text = document.dump();

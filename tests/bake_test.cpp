@@ -132,6 +132,11 @@ TEST(Bake, SharedSurfacesAreTracedInEveryPlace) {
     const Tracer tracer(scene);
     EXPECT_TRUE(tracer.occluded({0, 5, 0}, {0, -1, 0}, kNoLimit));
     EXPECT_TRUE(tracer.occluded({3, 5, 0}, {0, -1, 0}, kNoLimit));
+    // Packets that skim flat instances once kept Embree from coming to an end.
+    Scene flat = sceneOf(Surface{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, std::vector<glm::vec3>(4, {0, 0, 1}), {{0, 1, 2}, {0, 2, 3}}});
+    flat.instances.push_back({0, there});
+    const SurfacePoint on{{0.4f, 0.3f, 0}, {0, 0, 1}};
+    EXPECT_NEAR(bakePoints(Tracer(flat), {&on, 1}, {BakeModel::Sh, 4096})[0].area, 2 * kPi, 1e-3);
     EXPECT_FALSE(tracer.occluded({1.5f, 5, 0}, {0, -1, 0}, kNoLimit));
     const auto hit = tracer.nearest({3, 5, 0}, {0, -1, 0});
     ASSERT_TRUE(hit);

@@ -77,12 +77,12 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
 #if RTC_VERSION_MAJOR >= 4
     RTCOccludedArguments how;
     rtcInitOccludedArguments(&how);
-    how.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    how.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
     auto trace = [&](RTCRay16& rays) { rtcOccluded16(valid, scene, &rays, &how); };
 #else
     RTCIntersectContext how;
     rtcInitIntersectContext(&how);
-    how.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    how.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     auto trace = [&](RTCRay16& rays) { rtcOccluded16(valid, scene, &how, &rays); };
 #endif
     BakeOptions options;

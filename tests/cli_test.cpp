@@ -111,6 +111,9 @@ TEST(Cli, WrongUseIsTwo) {
     expectRefusal("render a.glb -o " + picture + " --camera 1,2,3", 2, "1,2,3");
     expectRefusal("compare builtin:statue --models soft,best", 2, "best");
     expectRefusal("compare builtin:statue --light-radii 0", 2, "--light-radii");
+    expectRefusal("compare builtin:statue --light-radii nan", 2, "--light-radii");
+    expectRefusal("bake builtin:statue -o " + out + " --max-distance nan", 2, "--max-distance");
+    expectRefusal("render a.glb -o " + picture + " --camera 0,0,0,0,0,1e300", 2, "1e300");
     expectRefusal("compare builtin:statue --receivers 0", 2, "--receivers");
     EXPECT_EQ(folder.files(), 0u);
 }
@@ -142,6 +145,15 @@ TEST(Cli, WhatCannotBeDoneIsOne) {
     folder.write("pixel.ppm", "P5 1 1 255\nx");
     EXPECT_FALSE(fs::exists(out));
     EXPECT_EQ(folder.files(), std::size(files) + 1);
+}
+
+TEST(Cli, DoesNotReplaceItsInputNorWhatIsNoFile) {
+    const Folder folder;
+    const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", path = folder.write("a.obj", text);
+    expectRefusal("compare " + path + " --json " + path, 2, "input itself");
+    EXPECT_EQ(slurp(path), text);
+    expectRefusal("compare builtin:statue --receivers 2 --json /dev/null", 1, "/dev/null");
+    EXPECT_EQ(folder.files(), 1u);
 }
 
 TEST(Cli, RefusesAHeightMapOfOnePixel) {

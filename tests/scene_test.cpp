@@ -96,6 +96,8 @@ TEST(Gltf, RefusesWhatIsBrokenWithOneLine) {
         {"not a finite number", gltf({0, 0, 0, NAN, 0, 0, 1, 1, 0, 0, 1, 0}, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6})")},
         {"no triangles", gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":0})")},
         {"its own ancestor", gltf(kSquare, kView, kVec3, all, R"({"mesh":0,"children":[0]})")},
+        {"two parents", gltf(kSquare, kView, kVec3, all, R"({"children":[1,1]},{"mesh":0})")},
+        {"nested too deep", std::string(100000, '[')},
         {"KHR_draco_mesh_compression", gltf(kSquare, kView, kVec3, all, R"({"mesh":0})", R"(,"extensionsRequired":["KHR_draco_mesh_compression"])")},
         {"not a valid glTF", "{\"asset\": 3"},
         {"the file is empty", ""},

@@ -20,6 +20,7 @@ struct Arguments {
 
 void run(const Arguments& a) {
     if (std::filesystem::path(a.out).extension() != ".glb") throw CLI::ValidationError("-o " + a.out + " does not end in .glb");
+    refuseToReplaceInput(a.scene, a.out);
     PendingFile(a.out);  // says now, not after the rays, that it cannot be written
     const Scene scene = loadScene(a.scene, a.map);
     BakeInfo info;
@@ -58,7 +59,7 @@ void addBakeCommand(CLI::App& program) {
         ->check(CLI::IsMember({8, 16}))
         ->type_name("8|16");
     command.add_option("--max-distance", a->bake.maxDistance, "metres beyond which nothing blocks [no limit]")
-        ->check(CLI::Range(1e-30, 1e30))
+        ->check(finiteRange(1e-30, 1e30))
         ->type_name("M");
     command.add_option("--seed", a->bake.seed, "of the rays' patterns [1]")->type_name("S");
     command.add_option("--threads", a->bake.threads, "[all cores]; the result is the same for any number")

@@ -45,7 +45,9 @@ nlohmann::ordered_json toJson(const Measurement& m) {
 
 // One line a model and source, one column a light radius.
 void print(const Measurement& m, const std::vector<double>& radii) {
-    std::printf("%s: rmse of E / (L pi sin^2 r) at %d receivers, by light radius in degrees\n", m.scene.c_str(), m.receivers);
+    std::printf("%s: %s\n", m.scene.c_str(),
+                m.paths.empty() ? "the whole error, interpolated from the asset's bytes" : "each model's own error, at the receivers");
+    std::printf("rmse of E / (L pi sin^2 r) at %d receivers, by light radius in degrees\n", m.receivers);
     std::printf("%-10s %-5s %7s %6s", "model", "from", "numbers", "bytes");
     for (double radius : radii) std::printf(" %8g", radius);
     std::printf("\n");
@@ -79,6 +81,7 @@ void run(Arguments a) {
             a.measure.models.push_back(*model);
         }
     }
+    refuseToReplaceInput(a.scene, a.json);
     if (!a.json.empty()) PendingFile(a.json);  // says now that it cannot be written
     Measurement result;
     {
@@ -109,7 +112,7 @@ void addCompareCommand(CLI::App& program) {
     command.add_option("--models", a->models, "of ao, sh-l1, oat, aperture, soft [all]")->delimiter(',')->type_name("A,B,...");
     command.add_option("--light-radii", a->measure.lightRadii, "degrees [0.27,1,5,15,30]")
         ->delimiter(',')
-        ->check(CLI::Range(0.01, 45.0))
+        ->check(finiteRange(0.01, 45.0))
         ->type_name("D,D,...");
     command.add_option("--receivers", a->measure.receivers, "points on the surface [600]")
         ->check(CLI::Range(1, 1000000))

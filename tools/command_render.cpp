@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -40,7 +41,8 @@ glm::vec3 parseColour(const std::string& text) {
 Camera parseCamera(const std::string& text, const Camera& fallback) {
     if (text.empty()) return fallback;
     const std::vector<double> n = parseNumbers(text, ',');
-    const bool right = (n.size() == 6 || (n.size() == 7 && n[6] > 0 && n[6] < 179))
+    const bool near = std::all_of(n.begin(), n.end(), [](double x) { return std::abs(x) < 1e15; });
+    const bool right = near && (n.size() == 6 || (n.size() == 7 && n[6] > 0 && n[6] < 179))
                     && glm::dvec3(n[0], n[1], n[2]) != glm::dvec3(n[3], n[4], n[5]);
     if (!right) throw CLI::ValidationError("--camera: '" + text + "' is not EX,EY,EZ,TX,TY,TZ[,FOV], eye and target apart");
     return {glm::vec3(n[0], n[1], n[2]), glm::vec3(n[3], n[4], n[5]), n.size() == 7 ? float(n[6] * kDegree) : fallback.verticalFov};
@@ -66,6 +68,7 @@ void run(const Arguments& a) {
     if (!a.sky.empty()) view.sky = parseColour(a.sky);
     view.lights = {sun(a)};
     parseCamera(a.camera, {});
+    refuseToReplaceInput(a.file, a.out);
     PendingFile(a.out);  // says now that it cannot be written
     Scene scene = loadScene(a.file, a.map);
     view.camera = parseCamera(a.camera, viewOf(scene));
@@ -97,12 +100,12 @@ void addRenderCommand(CLI::App& program) {
     command.add_option("-o", a->out, "the picture, .png (sRGB) or .exr (linear)")->required()->type_name("PICTURE");
     command.add_option("--model", a->model, "ao, sh-l1, oat, aperture, soft, or reference: ray traced [soft]")->type_name("NAME");
     command.add_option("--sun-azimuth", a->azimuth, "degrees from north (-Z) by east (+X) [135]")
-        ->check(CLI::Range(-360.0, 360.0))
+        ->check(finiteRange(-360.0, 360.0))
         ->type_name("D");
     command.add_option("--sun-elevation", a->elevation, "degrees above the horizon [40]")
-        ->check(CLI::Range(-90.0, 90.0))
+        ->check(finiteRange(-90.0, 90.0))
         ->type_name("D");
-    command.add_option("--sun-radius", a->radius, "degrees [0.27]")->check(CLI::Range(0.01, 45.0))->type_name("D");
+    command.add_option("--sun-radius", a->radius, "degrees [0.27]")->check(finiteRange(0.01, 45.0))->type_name("D");
     command.add_option("--sky", a->sky, "the sky's colour, sRGB [5d7cac]")->type_name("RRGGBB");
     command
         .add_option_function<std::string>("--size", [a](const std::string& text) { parsePair(text, a->width, a->height); },

@@ -20,6 +20,12 @@ void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);
 // The numbers of "1,2.5,3"; none where anything else stands there.
 std::vector<double> parseNumbers(const std::string& text, char separator);
 
+// As CLI::Range, but not for NaN, which no comparison excludes there.
+CLI::Validator finiteRange(double low, double high);
+
+// Throws CLI::ValidationError where writing `out` would replace `in`.
+void refuseToReplaceInput(const std::string& in, const std::string& out);
+
 // "2.5" or "2.5x3": two positive numbers. Throws CLI::ValidationError.
 void parsePair(const std::string& text, double& first, double& second);
 

@@ -1,9 +1,29 @@
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <sstream>
 
 #include "tools/commands.h"
 
 namespace apertura {
+
+CLI::Validator finiteRange(double low, double high) {
+    return CLI::Validator(
+        [low, high](std::string& text) {
+            const std::vector<double> value = parseNumbers(text, ',');
+            const bool inside = value.size() == 1 && value[0] >= low && value[0] <= high;
+            std::ostringstream message;
+            message << "'" << text << "' is not a number from " << low << " to " << high;
+            return inside ? std::string() : message.str();
+        },
+        "");
+}
+
+void refuseToReplaceInput(const std::string& in, const std::string& out) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(in, out, ignored))
+        throw CLI::ValidationError("the output " + out + " is the input itself");
+}
 
 std::vector<double> parseNumbers(const std::string& text, char separator) {
     std::vector<double> out;
@@ -36,7 +56,7 @@ void addHeightMapOptions(CLI::App& command, HeightMapOptions& options) {
         ->type_name("M")
         ->group(group);
     command.add_option("--vertical-scale", options.verticalScale, "metres a unit of height [1]")
-        ->check(CLI::Range(1e-9, 1e9))
+        ->check(finiteRange(1e-9, 1e9))
         ->type_name("S")
         ->group(group);
     command.add_flag("--terrain-rgb", options.terrainRgb, "heights are packed in R, G, B (Mapbox Terrain-RGB)")->group(group);

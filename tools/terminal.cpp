@@ -17,6 +17,7 @@ volatile std::sig_atomic_t stopAsked = 0;  // all that a signal handler may touc
 void catchInterrupts() {
     struct sigaction action {};
     action.sa_handler = [](int) { stopAsked = 1; };
+    action.sa_flags = SA_RESETHAND;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
 }

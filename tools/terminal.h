@@ -6,7 +6,7 @@
 
 namespace apertura {
 
-// From now on Ctrl-C and SIGTERM set a flag instead of ending the program.
+// From now on the first Ctrl-C or SIGTERM sets a flag; a second one ends the program at once.
 void catchInterrupts();
 bool interrupted();
 
