@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "runtime/file.h"
@@ -166,6 +167,43 @@ bool dropEmptyFarPlanes(nlohmann::json& document) {
     return changed;
 }
 
+using Json = nlohmann::json;
+
+// Copies the members of `from` into `to`, but for those named.
+void copyMembers(Json& to, const Json& from, const std::set<std::string>& except) {
+    for (const auto& [key, value] : from.items())
+        if (!except.contains(key)) to[key] = value;
+}
+
+// Gives back what tinygltf does not carry through: large integers, null and empty values, unknown members.
+// It keeps the order of every array, so that what the file had stands at its old index; what baking itself
+// changes (buffers, images, attributes, the meshes and children of nodes) stays as written.
+void restoreContent(Json& written, const Json& original) {
+    copyMembers(written, original, {"accessors", "asset", "bufferViews", "buffers", "extensionsRequired", "extensionsUsed",
+                                    "images", "meshes", "nodes", "scene"});
+    auto each = [&](const char* key, auto&& restore) {
+        if (!original.contains(key) || !written.contains(key)) return;
+        for (size_t i = 0; i < original[key].size() && i < written[key].size(); ++i)
+            restore(written[key][i], original[key][i]);
+    };
+    each("accessors", [](Json& to, const Json& from) { copyMembers(to, from, {}); });
+    each("images", [](Json& to, const Json& from) { copyMembers(to, from, {"uri", "bufferView", "mimeType"}); });
+    each("nodes", [](Json& to, const Json& from) { copyMembers(to, from, {"mesh", "children", "extensions"}); });
+    each("meshes", [](Json& to, const Json& from) {
+        copyMembers(to, from, {"primitives"});
+        if (!from.contains("primitives")) return;
+        for (size_t p = 0; p < from["primitives"].size() && p < to["primitives"].size(); ++p)
+            copyMembers(to["primitives"][p], from["primitives"][p], {"attributes"});
+    });
+    if (original.contains("asset")) {
+        Json asset = original["asset"];
+        asset["generator"] = written["asset"]["generator"];
+        if (!asset.contains("extras") || !asset["extras"].is_object()) asset["extras"] = Json::object();
+        asset["extras"]["apertura"] = written["asset"]["extras"]["apertura"];
+        written["asset"] = asset;
+    }
+}
+
 Value describe(const BakeInfo& info) {
     return Value(Value::Object{{"version", Value(info.version)},
                                {"scene", Value(info.scene)},
@@ -238,7 +276,10 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, true))
         throw Error(path + ": cannot be written as glTF");
     const std::string text = std::move(stream).str();
-    const std::vector<unsigned char> bytes = editGltfJson({text.begin(), text.end()}, path, dropEmptyFarPlanes);
+    const std::vector<unsigned char> bytes = editGltfJson({text.begin(), text.end()}, path, [&](Json& written) {
+        if (scene.document) restoreContent(written, Json::parse(scene.document->json));
+        return dropEmptyFarPlanes(written) || scene.document;
+    });
     std::ofstream out(file.name(), std::ios::binary);
     out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
     out.close();

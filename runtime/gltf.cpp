@@ -93,7 +93,7 @@ uint32_t word(const std::vector<unsigned char>& bytes, size_t at) {
     return value;
 }
 
-Model parse(const std::string& path) {
+Model parse(const std::string& path, std::string& json) {
     std::ifstream in(path, std::ios::binary);
     if (!in) throw Error(path + ": cannot be opened: " + std::strerror(errno));
     std::vector<unsigned char> bytes((std::istreambuf_iterator<char>(in)), {});
@@ -109,6 +109,7 @@ Model parse(const std::string& path) {
     try {
         bytes = editGltfJson(std::move(bytes), path, [&](Json& document) {
             requireKnownExtensions(document, path);
+            json = document.dump();
             return fillFallbackBuffers(document);
         });
         const auto size = uint32_t(bytes.size());
@@ -473,7 +474,7 @@ Scene readGltf(const std::string& path) {
     scene.name = path;
     scene.document = std::make_shared<GltfDocument>();
     Model& model = scene.document->model;
-    model = parse(path);
+    model = parse(path, scene.document->json);
     decodeMeshopt(model, path);
     expandInstancing(model, path);
 

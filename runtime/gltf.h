@@ -12,6 +12,7 @@ namespace apertura {
 
 struct GltfDocument {
     tinygltf::Model model;  // compressed views decoded, instancing extensions spelled out as nodes
+    std::string json;       // as it stood in the file: tinygltf does not keep every value
 };
 
 // Reads .glb or .gltf with its buffers and images: meshes, primitives (lists, strips and fans), node

@@ -117,7 +117,7 @@ TEST(Gltf, RefusesWhatIsBrokenWithOneLine) {
 
 TEST(Asset, KeepsContentAndGivesEachInstanceItsOwn) {
     const Folder folder;
-    const std::string nodes = R"({"name":"root","children":[1,2],"extras":{"keep":[1,"two"]}},{"mesh":0},{"mesh":0,"translation":[0,0,0.5],"rotation":[0,1,0,0]})";
+    const std::string nodes = R"({"name":"root","children":[1,2],"extras":{"keep":[12345678901,"two",null,{}]}},{"mesh":0},{"mesh":0,"translation":[0,0,0.5],"rotation":[0,1,0,0]})";
     const std::string path = folder.write("a.gltf", gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6,"material":0})", nodes, R"(,"materials":[{"name":"clay","pbrMetallicRoughness":{"roughnessFactor":0.25}}])"));
     const Scene scene = readGltf(path);
     ASSERT_EQ(scene.instances.size(), 2u);
@@ -149,6 +149,7 @@ TEST(Asset, KeepsContentAndGivesEachInstanceItsOwn) {
         const auto& model = back.scene.document->model;
         EXPECT_EQ(model.nodes[0].name, "root");
         EXPECT_EQ(model.nodes[0].extras.Get("keep").Get(1).Get<std::string>(), "two");
+        EXPECT_NE(back.scene.document->json.find(R"("keep":[12345678901,"two",null,{}])"), std::string::npos);
         EXPECT_EQ(model.materials[0].name, "clay");
         EXPECT_EQ(model.materials[0].pbrMetallicRoughness.roughnessFactor, 0.25);
         ASSERT_EQ(model.meshes.size(), 2u);  // one mesh, two skies
