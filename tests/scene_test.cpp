@@ -191,6 +191,20 @@ TEST(Asset, TruncatedOrWithoutVisibilityIsRefused) {
     EXPECT_THROW(writeAsset(folder / "no/where.glb", scene, {std::vector<Visibility>(4)}, {}), Error);
 }
 
+TEST(Asset, RefusesWhatIsNoVisibilityOrNoBuffer) {
+    const Folder folder;
+    // _VISIBILITY as floats: only normalised bytes and shorts are the asset's.
+    std::vector<float> data = kSquare;
+    data.resize(28);
+    const std::string views = std::string(kView) + R"(,{"buffer":0,"byteOffset":48,"byteLength":64})";
+    const std::string accessors = std::string(kVec3) + R"(,{"bufferView":1,"componentType":5126,"type":"VEC4","count":4})";
+    EXPECT_THROW(readAsset(folder.write("f.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"_VISIBILITY":1},"mode":6})"))), Error);
+    // A view that nothing uses, into a buffer that is not there.
+    const Scene scene = readGltf(folder.write("b.gltf", gltf(kSquare, std::string(kView) + R"(,{"buffer":100000000,"byteLength":4})", kVec3, R"({"attributes":{"POSITION":0},"mode":6})")));
+    EXPECT_THROW(writeAsset(folder / "out.glb", scene, {std::vector<Visibility>(4)}, {}), Error);
+    EXPECT_FALSE(std::filesystem::exists(folder / "out.glb"));
+}
+
 TEST(HeightMap, ReadsEveryKindThatIsHere) {
     NEEDS_DATA();
     const auto dem = dataFolder() / "dem";
