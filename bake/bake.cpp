@@ -4,29 +4,35 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "bake/choose.h"
+#include "bake/receivers.h"
 #include "bake/watch.h"
+#include "sh/shading.h"
 
 namespace apertura {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr int kPricePoints = 400;  // over the surface, on which the price of `auto` is found
 
-// Halves a list of directions at the median of their longest axis until a packet of rays is left.
-void orderForPackets(std::span<glm::vec3> directions) {
-    if (directions.size() <= 16) return;
+// Halves a list of directions at the median of their longest axis, so that every run of a power of two of
+// them is a patch of the sphere: 16 for a packet of rays, others for fitting.
+void orderInPatches(std::span<glm::vec3> directions) {
+    if (directions.size() <= 2) return;
     glm::vec3 low(2), high(-2);
     for (const glm::vec3& d : directions) low = glm::min(low, d), high = glm::max(high, d);
     const glm::vec3 size = high - low;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const size_t half = (directions.size() / 2 + 15) / 16 * 16;
+    const size_t half = std::bit_ceil(directions.size()) / 2;
     std::nth_element(directions.begin(), directions.begin() + ptrdiff_t(half), directions.end(),
                      [axis](const glm::vec3& a, const glm::vec3& b) { return a[axis] < b[axis]; });
-    orderForPackets(directions.first(half));
-    orderForPackets(directions.subspan(half));
+    orderInPatches(directions.first(half));
+    orderInPatches(directions.subspan(half));
 }
 
 }  // namespace
@@ -43,10 +49,7 @@ double hashUnit(uint32_t seed, uint64_t a, uint64_t b) {
 }
 
 glm::mat3 frameAbout(const glm::vec3& normal, double angle) {
-    // Duff et al., "Building an Orthonormal Basis, Revisited", 2017.
-    const float sign = std::copysign(1.0f, normal.z), a = -1 / (sign + normal.z), b = normal.x * normal.y * a;
-    const glm::vec3 u(1 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
-    const glm::vec3 v(b, sign + normal.y * normal.y * a, -normal.y);
+    const glm::vec3 u = tangentTo(normal), v = glm::cross(normal, u);
     const float c = float(std::cos(angle)), s = float(std::sin(angle));
     return {c * u + s * v, c * v - s * u, normal};
 }
@@ -64,45 +67,50 @@ std::vector<glm::vec3> capLattice(int n, double h) {
 
 std::vector<glm::vec3> hemisphereLattice(int n) {
     std::vector<glm::vec3> out = capLattice(n, 1);
-    orderForPackets(out);
+    orderInPatches(out);
     return out;
 }
 
-std::vector<Visibility> bakePoints(const Tracer& tracer, std::span<const SurfacePoint> points,
-                                   const BakeOptions& options, const Progress& progress) {
+void samplePoints(const Tracer& tracer, std::span<const SurfacePoint> points, const SampleLattice& lattice,
+                  const BakeOptions& options, const Progress& progress,
+                  const std::function<void(size_t, const Samples&, const glm::mat3&)>& use) {
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
 
-    const std::vector<glm::vec3> lattice = hemisphereLattice(options.rays);
-    const double solidAngle = 2 * kPi / options.rays;
     const float distance = options.maxDistance > 0 ? float(options.maxDistance) : kNoLimit;
-    std::vector<Visibility> out(points.size());
     Watch watch(progress, points.size());
     tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size(), 64), [&](const tbb::blocked_range<size_t>& range) {
-        if (watch.stopped()) return;
-        std::vector<glm::vec3> directions(lattice.size()), open;
-        std::vector<uint8_t> blocked(lattice.size());
-        for (size_t i = range.begin(); i < range.end(); ++i) {
+        std::vector<glm::vec3> directions(lattice.directions().size());
+        std::vector<uint8_t> blocked(directions.size());
+        for (size_t i = range.begin(); i < range.end() && !watch.stopped(); ++i) {
             const SurfacePoint& point = points[i];
             const glm::mat3 frame = frameAbout(point.normal, 2 * kPi * hashUnit(options.seed, i, 0));
-            for (size_t k = 0; k < lattice.size(); ++k) directions[k] = frame * lattice[k];
+            for (size_t k = 0; k < directions.size(); ++k) directions[k] = frame * lattice.directions()[k];
             tracer.occluded(point.position + tracer.offset() * point.normal, directions, distance, blocked.data());
-            if (options.model == BakeModel::Sh) {
-                open.clear();
-                for (size_t k = 0; k < lattice.size(); ++k)
-                    if (!blocked[k]) open.push_back(directions[k]);
-                out[i] = toVisibility(project(open, solidAngle));
-            } else {
-                int count = 0;
-                glm::dvec3 sum(0);
-                for (size_t k = 0; k < lattice.size(); ++k)
-                    if (!blocked[k]) ++count, sum += glm::dvec3(directions[k]);
-                out[i] = {glm::vec3(sum * solidAngle), float(count * solidAngle)};
-            }
+            use(i, Samples(lattice, blocked), frame);
+            watch.add(1);
         }
-        watch.add(range.size());
     });
     watch.throwIfStopped();
+}
+
+double priceAt(const Tracer& tracer, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options, double tolerance) {
+    std::vector<CandidateErrors> errors(points.size());
+    samplePoints(tracer, points, tools.lattice, options, {}, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+        errors[i] = tryCandidates(tools, samples, frame);
+    });
+    return priceFor(errors, tolerance);
+}
+
+std::vector<BakedPoint> bakePoints(const Tracer& tracer, std::span<const SurfacePoint> points,
+                                   const BakeOptions& options, const Progress& progress) {
+    const Recipe& recipe = *findRecipe(options.recipe);
+    const FitTools tools(options.rays);
+    const FitOptions how{options.tolerance, options.price};
+    std::vector<BakedPoint> out(points.size());
+    samplePoints(tracer, points, tools.lattice, options, progress, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+        out[i] = makePoint(recipe, tools, samples, frame, how);
+    });
     return out;
 }
 
@@ -126,11 +134,24 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
             places.emplace_back(i, v);
         }
     }
-    const std::vector<Visibility> baked = bakePoints(tracer, points, options, progress);
+    BakeOptions how = options;
+    if (options.recipe == "auto") {
+        std::vector<SurfacePoint> spread;
+        for (const SpreadPoint& p : spreadReceivers(scene, kPricePoints, options.seed)) spread.push_back(p.at);
+        how.price = priceAt(tracer, spread, FitTools(options.rays), options, options.tolerance);
+    }
+    const std::vector<BakedPoint> baked = bakePoints(tracer, points, how, progress);
+    const bool stored = findRecipe(options.recipe)->model >= 0;
     BakedVisibility out;
-    for (const Instance& instance : scene.instances)
-        out.emplace_back(scene.surfaces[instance.surface].positions.size());
-    for (size_t k = 0; k < baked.size(); ++k) out[places[k].first][places[k].second] = baked[k];
+    for (const Instance& instance : scene.instances) {
+        const size_t count = scene.surfaces[instance.surface].positions.size();
+        out.push_back({std::vector<Visibility>(count), std::vector<Form>(stored ? count : 0)});
+    }
+    for (size_t k = 0; k < baked.size(); ++k) {
+        const auto [instance, vertex] = places[k];
+        out[instance].visibility[vertex] = baked[k].visibility;
+        if (stored) out[instance].forms[vertex] = baked[k].form;
+    }
     return out;
 }
 

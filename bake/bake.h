@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bake/tracer.h"
+#include "bake/fit.h"
 #include "runtime/asset.h"
 
 namespace apertura {
@@ -15,13 +16,10 @@ struct SurfacePoint {
     glm::vec3 normal;    // unit
 };
 
-enum class BakeModel {
-    Sh,    // visibility projected to four SH coefficients, and converted
-    Rays,  // visible area and mean direction straight from the rays
-};
-
 struct BakeOptions {
-    BakeModel model = BakeModel::Sh;
+    std::string_view recipe = "sh";  // of recipes()
+    double tolerance = 0.05;         // of the recipe "auto": RMSE of E / (L pi sin^2 r)
+    double price = 0;                // of "auto": see FitOptions; bakeVertices finds it itself
     int rays = 256;          // a point, 1 .. 1 << 20
     uint32_t seed = 1;
     double maxDistance = 0;  // metres beyond which nothing blocks; 0: no limit
@@ -36,12 +34,21 @@ std::vector<glm::vec3> hemisphereLattice(int n);
 // its centre outwards.
 std::vector<glm::vec3> capLattice(int n, double h);
 
-// Visibility at points: a lattice spun by an angle of its own, hashed from the seed and the index, at each.
-// The result does not depend on the number of threads. Throws Cancelled.
-std::vector<Visibility> bakePoints(const Tracer& tracer, std::span<const SurfacePoint> points,
+// What the rays from each point find: a lattice spun by an angle of its own, hashed from the seed and the index.
+// Calls `use(i, samples, frame)` for each from any thread; `frame` takes the lattice to the world. Throws Cancelled.
+void samplePoints(const Tracer& tracer, std::span<const SurfacePoint> points, const SampleLattice& lattice,
+                  const BakeOptions& options, const Progress& progress,
+                  const std::function<void(size_t, const Samples&, const glm::mat3&)>& use);
+
+// The price at which `auto` keeps its tolerance over these points.
+double priceAt(const Tracer& tracer, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options, double tolerance);
+
+// Points as the recipe of the options has them. The result does not depend on the number of threads.
+// Throws Cancelled.
+std::vector<BakedPoint> bakePoints(const Tracer& tracer, std::span<const SurfacePoint> points,
                                    const BakeOptions& options, const Progress& progress = {});
 
-// Visibility at the vertices that triangles use; the others are closed.
+// At the vertices that triangles use; the others are closed.
 BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options,
                              const Progress& progress = {});
 

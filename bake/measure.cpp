@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 
+#include "bake/choose.h"
 #include "bake/watch.h"
 #include "sh/packing.h"
 
@@ -17,14 +18,9 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kPathRadius = 5;  // degrees, of the light that PathRow speaks of
 
-CapLight capLight(const glm::vec3& direction, double radius) {
-    const float s = float(std::sin(radius));
-    return {direction, s, heightFromSin(s)};
-}
-
 // E / (L pi sin^2 r) as the model has it.
 float modelValue(int model, const Receiver& receiver, const CapLight& light) {
-    return lightThrough(model, receiver, light) / (PI * light.sinRadius * light.sinRadius);
+    return lightThrough(model, receiver, light, lightsOf(light.sinRadius)) / light.area;
 }
 
 // The receivers of a scene, their lights, and the truth for each radius.
@@ -58,50 +54,91 @@ Ground traceGround(const Scene& scene, const Tracer& tracer, const MeasureOption
     return ground;
 }
 
-void addRows(const Ground& ground, const std::vector<Receiver>& receivers, const std::string& source, int bytes,
-             const MeasureOptions& options, std::vector<MeasureRow>& rows) {
-    for (const ModelInfo& model : options.models)
-        for (size_t r = 0; r < options.lightRadii.size(); ++r) {
-            MeasureRow row;
-            row.model = model.name;
-            row.source = source;
-            row.numbers = model.numbers;
-            row.bytes = bytes > 0 ? bytes : model.numbers;
-            row.lightRadius = options.lightRadii[r];
-            size_t count = 0;
-            for (size_t i = 0; i < receivers.size(); ++i)
-                for (size_t k = 0; k < ground.lights[i].size(); ++k) {
-                    const TruthSample& truth = ground.truth[i][r][k];
-                    const CapLight light = capLight(ground.lights[i][k], row.lightRadius * kPi / 180);
-                    const double e = modelValue(model.id, receivers[i], light) - truth.mean();
-                    row.rmse += e * e;
-                    row.bias += e;
-                    row.max = std::max(row.max, std::abs(e));
-                    row.rmsTruth += double(truth.mean()) * truth.mean();
-                    row.noise += double(truth.noise()) * truth.noise();
-                    ++count;
-                }
-            row.rmse = std::sqrt(row.rmse / double(count));
-            row.rmsTruth = std::sqrt(row.rmsTruth / double(count));
-            row.noise = std::sqrt(row.noise / double(count));
-            row.bias /= double(count);
-            rows.push_back(row);
+// One model at every receiver. Of models whose forms may not be mixed a receiver has three corners, weighed.
+struct Made {
+    const Model* model;
+    std::string source;
+    double numbers, bytes;
+    std::vector<std::vector<std::pair<float, Receiver>>> receivers;
+};
+
+void addRows(const Ground& ground, const Made& made, const std::vector<Visibility>& truth, const MeasureOptions& options,
+             std::vector<MeasureRow>& rows) {
+    const size_t n = made.receivers.size();
+    double ambient = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double sky = -std::max(glm::dot(ground.points[i].at.normal, truth[i].direction), 0.0f);
+        for (const auto& [weight, receiver] : made.receivers[i]) sky += weight * skyThrough(made.model->id, receiver);
+        ambient += sky * sky / (kPi * kPi);
+    }
+    for (size_t r = 0; r < options.lightRadii.size(); ++r) {
+        MeasureRow row;
+        row.model = made.model->name;
+        row.source = made.source;
+        row.numbers = made.numbers;
+        row.bytes = made.bytes;
+        row.lightRadius = options.lightRadii[r];
+        row.ambient = std::sqrt(ambient / double(n));
+        size_t count = 0;
+        for (size_t i = 0; i < n; ++i) {
+            double here = 0;
+            for (size_t k = 0; k < ground.lights[i].size(); ++k) {
+                const TruthSample& sample = ground.truth[i][r][k];
+                const CapLight light = capLight(ground.lights[i][k], float(std::sin(row.lightRadius * kPi / 180)));
+                double e = -sample.mean();
+                for (const auto& [weight, receiver] : made.receivers[i]) e += weight * modelValue(made.model->id, receiver, light);
+                here += e * e;
+                row.bias += e;
+                row.max = std::max(row.max, std::abs(e));
+                row.rmsTruth += double(sample.mean()) * sample.mean();
+                row.noise += double(sample.noise()) * sample.noise();
+                ++count;
+            }
+            row.rmse += here;
+            row.receiverRmse.push_back(float(std::sqrt(here / double(ground.lights[i].size()))));
         }
+        row.rmse = std::sqrt(row.rmse / double(count));
+        row.rmsTruth = std::sqrt(row.rmsTruth / double(count));
+        row.noise = std::sqrt(row.noise / double(count));
+        row.bias /= double(count);
+        rows.push_back(row);
+    }
 }
+
+bool asked(const MeasureOptions& options, const Model& model) {
+    return options.models.empty() || std::find(options.models.begin(), options.models.end(), &model) != options.models.end();
+}
+
+// The models that a recipe's points are measured as: its own, or those that are made from the four numbers.
+// The coefficients of the best soft aperture are for that alone.
+std::vector<const Model*> modelsOf(const Recipe& recipe, const MeasureOptions& options) {
+    std::vector<const Model*> out;
+    if (recipe.source == "transfer") return out;  // measured by where it leads: see comparePaths
+    for (const Model& model : models()) {
+        const bool own = recipe.model >= 0 ? model.id == recipe.model
+                       : recipe.source == "fit" ? model.id == MODEL_SOFT
+                                                : model.fromVisibility != nullptr;
+        if (own && asked(options, model)) out.push_back(&model);
+    }
+    return out;
+}
+
+const Model& apertureModel() { return models()[MODEL_APERTURE]; }
 
 std::vector<Receiver> receiversFrom(const Ground& ground, const std::vector<Visibility>& visibility) {
     std::vector<Receiver> out;
-    for (size_t i = 0; i < visibility.size(); ++i)
-        out.push_back(toReceiver(toVertex(visibility[i], ground.points[i].at.normal), ground.points[i].at.normal));
+    for (size_t i = 0; i < visibility.size(); ++i) out.push_back(toReceiver(apertureModel(), visibility[i], ground.points[i].at.normal));
     return out;
 }
+
+Aperture apertureOf(const Receiver& receiver) { return apertureIn(receiver.form[0], receiver.normal); }
 
 PathRow comparePath(const Ground& ground, const std::string& stage, const std::string& source,
                     const std::vector<Receiver>& reference, const std::vector<Receiver>& changed) {
     PathRow row{stage, source};
     double lights = 0, axes = 0;
     for (size_t i = 0; i < reference.size(); ++i) {
-        const Aperture &a = reference[i].aperture, &b = changed[i].aperture;
+        const Aperture a = apertureOf(reference[i]), b = apertureOf(changed[i]);
         const double radius = (double(capRadius(b.height)) - capRadius(a.height)) * 180 / kPi;
         row.radiusRms += radius * radius;
         row.radiusMax = std::max(row.radiusMax, std::abs(radius));
@@ -112,7 +149,7 @@ PathRow comparePath(const Ground& ground, const std::string& stage, const std::s
             ++axes;
         }
         for (const glm::vec3& l : ground.lights[i]) {
-            const CapLight light = capLight(l, kPathRadius * kPi / 180);
+            const CapLight light = capLight(l, float(std::sin(kPathRadius * kPi / 180)));
             const double e = modelValue(MODEL_APERTURE, changed[i], light) - modelValue(MODEL_APERTURE, reference[i], light);
             row.irradianceRms += e * e;
             ++lights;
@@ -136,20 +173,21 @@ Visibility shThroughBytes(const Visibility& v) {
 
 // An aperture's axis and radius as bytes.
 Receiver apertureThroughBytes(Receiver receiver) {
-    Aperture& a = receiver.aperture;
+    Aperture a = apertureOf(receiver);
     for (int i = 0; i < 3; ++i) a.axis[i] = throughByte(a.axis[i], 1);
     a.axis = glm::normalize(a.axis);
     const float radius = (throughByte(capRadius(a.height) * 4 / PI - 1, 1) + 1) * PI / 4;
-    a.height = 1 - std::cos(radius);
+    receiver.form[0] = vec4(a.axis, 1 - std::cos(radius));
     return receiver;
 }
 
 std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, const Ground& ground,
                                   const std::vector<Visibility>& sh, const std::vector<Visibility>& rays,
-                                  const BakeOptions& bake, const Progress& progress) {
+                                  const std::vector<Visibility>& transfer, const BakeOptions& bake, const Progress& progress) {
     const std::vector<Receiver> reference = receiversFrom(ground, sh);
     std::vector<PathRow> out;
     out.push_back(comparePath(ground, "at the receiver, unquantised: the same by construction", "rays", reference, receiversFrom(ground, rays)));
+    out.push_back(comparePath(ground, "cosine-weighted transfer, converted, instead of visibility", "sh", reference, receiversFrom(ground, transfer)));
     auto through = [&](auto&& change) {
         std::vector<Visibility> changed;
         for (const Visibility& v : sh) changed.push_back(change(v));
@@ -172,23 +210,20 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
             corners.push_back({glm::mix(world, p.at.position, 0.01f), p.at.normal});
         }
     }
-    const std::vector<Visibility> at = bakePoints(tracer, corners, bake, progress);
+    const std::vector<BakedPoint> at = bakePoints(tracer, corners, bake, progress);
     auto mixed = [&](bool even, bool coefficients) {
         std::vector<Receiver> receivers;
         for (size_t i = 0; i < ground.points.size(); ++i) {
             const glm::vec3 w = even ? glm::vec3(1 / 3.0f) : ground.points[i].weights, n = ground.points[i].at.normal;
             Visibility sum;
-            VertexVisibility mix{vec4(0), vec4(0), vec4(0)};
+            vec4 mix(0);
             for (int c = 0; c < 3; ++c) {
-                const Visibility& v = at[3 * i + c];
+                const Visibility& v = at[3 * i + c].visibility;
                 sum.area += w[c] * v.area;
                 sum.direction += w[c] * v.direction;
-                const VertexVisibility vertex = toVertex(v, n);
-                mix.visibility += w[c] * vertex.visibility;
-                mix.aperture += w[c] * vertex.aperture;
-                mix.soft += w[c] * vertex.soft;
+                mix += w[c] * toForm(apertureModel(), v, nullptr, n)[0];
             }
-            receivers.push_back(toReceiver(coefficients ? toVertex(sum, n) : mix, n));
+            receivers.push_back(coefficients ? toReceiver(apertureModel(), sum, n) : toReceiver(sum, {mix}, n));
         }
         return receivers;
     };
@@ -216,45 +251,104 @@ Progress part(const Progress& progress, double from, double to) {
 Measurement measureScene(const Scene& scene, const MeasureOptions& options, const Progress& progress) {
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(scene, part(progress, 0, 0));
-    const Ground ground = traceGround(scene, tracer, options, part(progress, 0, 0.8));
+    const Ground ground = traceGround(scene, tracer, options, part(progress, 0, 0.6));
     std::vector<SurfacePoint> points;
     for (const SpreadPoint& p : ground.points) points.push_back(p.at);
     BakeOptions bake;
     bake.rays = options.rays;
     bake.seed = options.seed;
-    const std::vector<Visibility> sh = bakePoints(tracer, points, bake, part(progress, 0.8, 0.85));
-    bake.model = BakeModel::Rays;
-    const std::vector<Visibility> rays = bakePoints(tracer, points, bake, part(progress, 0.85, 0.9));
-    Measurement out{scene.name, int(points.size()), {}, {}};
-    addRows(ground, receiversFrom(ground, sh), "sh", 0, options, out.rows);
-    addRows(ground, receiversFrom(ground, rays), "rays", 0, options, out.rows);
-    bake.model = BakeModel::Sh;
-    out.paths = comparePaths(scene, tracer, ground, sh, rays, bake, part(progress, 0.9, 1));
+
+    std::vector<std::pair<const Recipe*, std::vector<const Model*>>> wanted;
+    for (const Recipe& recipe : recipes())
+        if (auto models = modelsOf(recipe, options); !models.empty()) wanted.emplace_back(&recipe, models);
+    const FitTools tools(options.rays);
+    FitOptions how{options.tolerance};
+    if (asked(options, models()[MODEL_AUTO])) how.price = priceAt(tracer, points, tools, bake, options.tolerance);
+    std::vector<std::vector<BakedPoint>> baked(wanted.size(), std::vector<BakedPoint>(points.size()));
+    std::vector<Visibility> sh(points.size()), rays(points.size()), transfer(points.size());
+    samplePoints(tracer, points, tools.lattice, bake, part(progress, 0.6, 0.95), [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+        for (size_t k = 0; k < wanted.size(); ++k) baked[k][i] = makePoint(*wanted[k].first, tools, samples, frame, how);
+        sh[i] = makePoint(*findRecipe("sh"), tools, samples, frame, how).visibility;
+        rays[i] = makePoint(*findRecipe("rays"), tools, samples, frame, how).visibility;
+        transfer[i] = makePoint(*findRecipe("transfer"), tools, samples, frame, how).visibility;
+    });
+
+    Measurement out;
+    out.scene = scene.name;
+    out.receivers = int(points.size());
+    for (const SurfacePoint& p : points) out.positions.push_back(p.position);
+    for (size_t k = 0; k < wanted.size(); ++k) {
+        const Recipe& recipe = *wanted[k].first;
+        for (const Model* model : wanted[k].second) {
+            Made made{model, std::string(recipe.source), double(model->numbers), double(model->numbers), {}};
+            double chosen = 0, missed = 0;
+            for (size_t i = 0; i < points.size(); ++i) {
+                const BakedPoint& p = baked[k][i];
+                const Form* stored = recipe.model >= 0 ? &p.form : nullptr;
+                made.receivers.push_back({{1.0f, toReceiver(p.visibility, toForm(*model, p.visibility, stored, points[i].normal), points[i].normal)}});
+                if (model->id != MODEL_AUTO) continue;
+                chosen += models()[size_t(chosenModel(MODEL_AUTO, p.form))].numbers;
+                missed += p.form[4].z;
+            }
+            if (model->id == MODEL_AUTO) {
+                made.numbers = chosen / double(points.size());
+                made.bytes = made.numbers + 1;  // and which it is
+                out.unreached = missed / double(points.size());
+            } else if (recipe.model >= 0 && model->fromVisibility) {
+                made.numbers = made.bytes = storedNumbers(*model);
+            }
+            addRows(ground, made, sh, options, out.rows);
+        }
+    }
+    bake.recipe = "sh";
+    out.paths = comparePaths(scene, tracer, ground, sh, rays, transfer, bake, part(progress, 0.95, 1));
     return out;
 }
 
 Measurement measureAsset(const Asset& asset, const MeasureOptions& options, const Progress& progress) {
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(asset.scene, part(progress, 0, 0));
-    const Ground ground = traceGround(asset.scene, tracer, options, progress);
-    std::vector<Receiver> receivers;
-    for (const SpreadPoint& p : ground.points) {
-        const Instance& instance = asset.scene.instances[p.instance];
-        const Surface& surface = asset.scene.surfaces[instance.surface];
-        const glm::mat3 normals = normalMatrix(instance.toWorld);
-        VertexVisibility mix{vec4(0), vec4(0), vec4(0)};
-        for (int c = 0; c < 3; ++c) {
-            const uint32_t v = surface.triangles[p.triangle][c];
-            const VertexVisibility vertex =
-                toVertex(asset.visibility[p.instance][v], glm::normalize(normals * surface.normals[v]));
-            mix.visibility += p.weights[c] * vertex.visibility;
-            mix.aperture += p.weights[c] * vertex.aperture;
-            mix.soft += p.weights[c] * vertex.soft;
+    const Ground ground = traceGround(asset.scene, tracer, options, part(progress, 0, 0.9));
+    std::vector<SurfacePoint> points;
+    for (const SpreadPoint& p : ground.points) points.push_back(p.at);
+    BakeOptions bake;
+    bake.rays = options.rays;
+    bake.seed = options.seed;
+    std::vector<Visibility> truth;
+    for (const BakedPoint& p : bakePoints(tracer, points, bake, part(progress, 0.9, 1))) truth.push_back(p.visibility);
+
+    Measurement out;
+    out.scene = asset.scene.name;
+    out.receivers = int(points.size());
+    for (const SurfacePoint& p : points) out.positions.push_back(p.position);
+    const Model* own = findModel(asset.info.model);
+    for (const Model& model : models()) {
+        const bool stored = own == &model;
+        if ((!stored && !model.fromVisibility) || !asked(options, model)) continue;
+        Made made{&model, std::string(stored ? "fit" : asset.info.model), double(model.numbers), bytesAPoint(asset), {}};
+        for (const SpreadPoint& p : ground.points) {
+            const Instance& instance = asset.scene.instances[p.instance];
+            const Surface& surface = asset.scene.surfaces[instance.surface];
+            const SeenByInstance& seen = asset.seen[p.instance];
+            const glm::mat3 normals = normalMatrix(instance.toWorld);
+            Visibility sum;
+            Form mix{};
+            std::vector<std::pair<float, Receiver>> corners;
+            for (int c = 0; c < 3; ++c) {
+                const uint32_t v = surface.triangles[p.triangle][c];
+                const float w = p.weights[c];
+                const vec3 normal = glm::normalize(normals * surface.normals[v]);
+                const Form form = toForm(model, seen.visibility[v], stored ? &seen.forms[v] : nullptr, normal);
+                sum.direction += w * seen.visibility[v].direction;
+                sum.area += w * seen.visibility[v].area;
+                for (int k = 0; k < MAX_SLOTS; ++k) mix[k] += w * form[k];
+                corners.emplace_back(w, toReceiver(seen.visibility[v], form, p.at.normal));
+            }
+            if (model.mixes) corners = {{1.0f, toReceiver(sum, mix, p.at.normal)}};
+            made.receivers.push_back(std::move(corners));
         }
-        receivers.push_back(toReceiver(mix, p.at.normal));
+        addRows(ground, made, truth, options, out.rows);
     }
-    Measurement out{asset.scene.name, int(receivers.size()), {}, {}};
-    addRows(ground, receivers, asset.info.model, asset.info.bits / 2, options, out.rows);
     return out;
 }
 

@@ -6,30 +6,32 @@
 #include "bake/receivers.h"
 #include "runtime/asset.h"
 #include "sh/models.h"
-#include "sh/vertex_visibility.h"
 
 namespace apertura {
 
 struct MeasureOptions {
-    std::vector<ModelInfo> models{std::begin(kModels), std::end(kModels)};
+    std::vector<const Model*> models;  // all where empty
     std::vector<double> lightRadii{0.27, 1, 5, 15, 30};  // degrees, above 0, at most 45
     int receivers = 600;
     int rays = 4096;          // a receiver, for the models made at the receivers
     int lightSamples = 256;   // rays a light and receiver, for the truth
     uint32_t seed = 1;
+    double tolerance = 0.05;  // of `auto`
     int threads = 0;
 };
 
 // Errors of E / (L pi sin^2 r) over all receivers and lights.
 struct MeasureRow {
     std::string model;
-    std::string source;  // sh or rays
-    int numbers = 0;     // stored a point that the model uses
-    int bytes = 0;       // a point
+    std::string source;  // sh, rays or fit
+    double numbers = 0;  // a point that the light's formula reads; of `auto`, their mean
+    double bytes = 0;    // a point: of a scene those numbers alone, of an asset all that it stores
     double lightRadius = 0;  // degrees
     double rmse = 0, bias = 0, max = 0;
     double rmsTruth = 0;  // of the truth itself
     double noise = 0;     // of the truth's own sampling, as an rmse
+    double ambient = 0;   // rmse of the irradiance from an even sky, over pi
+    std::vector<float> receiverRmse;  // of each receiver alone
 };
 
 // How an aperture or the light through it changes on its way, against the one at the receiver.
@@ -44,7 +46,9 @@ struct PathRow {
 struct Measurement {
     std::string scene;
     int receivers = 0;
+    std::vector<glm::vec3> positions;  // of the receivers, metres
     std::vector<MeasureRow> rows;
+    double unreached = 0;              // the share of receivers where `auto` found no model within its tolerance
     std::vector<PathRow> paths;
 };
 

@@ -10,18 +10,19 @@
 #include <sstream>
 
 #include "runtime/file.h"
+#include "runtime/form_stream.h"
 #include "runtime/gltf.h"
 #include "sh/packing.h"
 
 namespace apertura {
 namespace {
 
-using tinygltf::Model;
+using Document = tinygltf::Model;
 using tinygltf::Value;
 const char* const kAttribute = "_VISIBILITY";
 
 // Appends `bytes` as a view of buffer 0, aligned to 4; returns the view's index.
-int addView(Model& model, const void* bytes, size_t size, int target) {
+int addView(Document& model, const void* bytes, size_t size, int target) {
     auto& data = model.buffers[0].data;
     data.resize((data.size() + 3) / 4 * 4);
     tinygltf::BufferView view;
@@ -36,7 +37,7 @@ int addView(Model& model, const void* bytes, size_t size, int target) {
 }
 
 template <typename T>
-int addAccessor(Model& model, const std::vector<T>& values, int componentType, int type, int target,
+int addAccessor(Document& model, const std::vector<T>& values, int componentType, int type, int target,
                 bool normalized = false) {
     tinygltf::Accessor accessor;
     accessor.bufferView = addView(model, values.data(), values.size() * sizeof(T), target);
@@ -48,11 +49,11 @@ int addAccessor(Model& model, const std::vector<T>& values, int componentType, i
     return int(model.accessors.size()) - 1;
 }
 
-int addVectors(Model& model, const std::vector<glm::vec3>& values) {
+int addVectors(Document& model, const std::vector<glm::vec3>& values) {
     return addAccessor(model, values, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, TINYGLTF_TARGET_ARRAY_BUFFER);
 }
 
-int addIndices(Model& model, const Surface& surface) {
+int addIndices(Document& model, const Surface& surface) {
     if (surface.positions.size() >= 65535) {
         std::vector<uint32_t> wide;
         for (const auto& t : surface.triangles) wide.insert(wide.end(), t.begin(), t.end());
@@ -65,7 +66,7 @@ int addIndices(Model& model, const Surface& surface) {
                        TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
 }
 
-void addCamera(Model& model, const Camera& view) {
+void addCamera(Document& model, const Camera& view) {
     tinygltf::Camera camera;
     camera.type = "perspective";
     camera.perspective.yfov = view.verticalFov;
@@ -83,8 +84,8 @@ void addCamera(Model& model, const Camera& view) {
 }
 
 // A document for a scene that has none; sets the instances' places in it.
-Model makeDocument(Scene& scene) {
-    Model model;
+Document makeDocument(Scene& scene) {
+    Document model;
     model.asset.version = "2.0";
     model.buffers.emplace_back();
     model.scenes.emplace_back();
@@ -128,7 +129,7 @@ std::string mimeTypeOf(const std::vector<unsigned char>& bytes) {
 }
 
 // A .glb holds one buffer: all of them, one behind the other, images included.
-void mergeBuffers(Model& model) {
+void mergeBuffers(Document& model) {
     std::vector<unsigned char> all;
     std::vector<size_t> start;
     for (const auto& buffer : model.buffers) {
@@ -204,16 +205,45 @@ void restoreContent(Json& written, const Json& original) {
     }
 }
 
-Value describe(const BakeInfo& info) {
-    return Value(Value::Object{{"version", Value(info.version)},
+Value::Object describe(const BakeInfo& info) {
+    return Value::Object{{"version", Value(info.version)},
                                {"scene", Value(info.scene)},
                                {"model", Value(info.model)},
+                               {"tolerance", Value(info.tolerance)},
                                {"rays", Value(info.rays)},
                                {"bits", Value(info.bits)},
                                {"seed", Value(double(info.seed))},
                                {"maxDistance", Value(info.maxDistance)},
                                {"rayOffset", Value(info.rayOffset)},
-                               {"hemisphere", Value(info.hemisphere)}});
+                               {"hemisphere", Value(info.hemisphere)}};
+}
+
+// The model whose forms the asset stores; nullptr where all is made from the four numbers.
+const Model* findStored(const BakeInfo& info) {
+    const Model* model = findModel(info.model);
+    return model && (model->storedFields > 0 || model->id == MODEL_AUTO) ? model : nullptr;
+}
+
+// The buffer view of each primitive's forms, by mesh and primitive.
+std::map<std::pair<int, int>, int> findStreams(const Document& model) {
+    std::map<std::pair<int, int>, int> out;
+    const Value& forms = model.asset.extras.Get("apertura").Get("forms");
+    if (!forms.IsArray()) return out;
+    for (size_t i = 0; i < forms.ArrayLen(); ++i) {
+        const Value& entry = forms.Get(int(i));
+        auto index = [&](const char* key) { return entry.IsObject() && entry.Get(key).IsNumber() ? entry.Get(key).GetNumberAsInt() : -1; };
+        out[{index("mesh"), index("primitive")}] = index("bufferView");
+    }
+    return out;
+}
+
+std::span<const unsigned char> viewBytes(const Document& model, int index) {
+    if (index < 0 || size_t(index) >= model.bufferViews.size()) throw Error("the model's buffer view does not exist");
+    const tinygltf::BufferView& view = model.bufferViews[size_t(index)];
+    if (view.buffer < 0 || size_t(view.buffer) >= model.buffers.size()) throw Error("the model's buffer does not exist");
+    const auto& data = model.buffers[size_t(view.buffer)].data;
+    if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) throw Error("the model's buffer view ends outside its buffer");
+    return {data.data() + view.byteOffset, view.byteLength};
 }
 
 template <typename Packed>
@@ -230,17 +260,15 @@ std::vector<Packed> packAll(const std::vector<Visibility>& points, const glm::ma
 void writeAsset(const std::string& path, const Scene& given, const BakedVisibility& visibility, const BakeInfo& info) {
     PendingFile file(path);
     Scene scene = given;
-    Model model = scene.document ? scene.document->model : makeDocument(scene);
+    Document model = scene.document ? scene.document->model : makeDocument(scene);
     try {
         mergeBuffers(model);
     } catch (const Error& e) {
         throw Error(scene.name + ": " + e.what());
     }
     model.asset.generator = "Apertura " + info.version;
-    Value::Object extras;
-    if (model.asset.extras.IsObject()) extras = model.asset.extras.Get<Value::Object>();
-    extras["apertura"] = describe(info);
-    model.asset.extras = Value(extras);
+    const Model* stored = findStored(info);
+    Value::Array streams;
 
     // Of several nodes that share a mesh, all but the first get a copy of its primitives' lists.
     std::map<int, int> owner;        // mesh -> first node
@@ -260,16 +288,27 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
         const glm::mat3 rotation = rotationPart(instance.toWorld);
         primitive.attributes[kAttribute] =
             info.bits == 16
-                ? addAccessor(model, packAll<Packed16>(visibility[i], rotation, pack16), TINYGLTF_COMPONENT_TYPE_SHORT,
+                ? addAccessor(model, packAll<Packed16>(visibility[i].visibility, rotation, pack16), TINYGLTF_COMPONENT_TYPE_SHORT,
                               TINYGLTF_TYPE_VEC4, TINYGLTF_TARGET_ARRAY_BUFFER, true)
-                : addAccessor(model, packAll<Packed8>(visibility[i], rotation, pack8), TINYGLTF_COMPONENT_TYPE_BYTE,
+                : addAccessor(model, packAll<Packed8>(visibility[i].visibility, rotation, pack8), TINYGLTF_COMPONENT_TYPE_BYTE,
                               TINYGLTF_TYPE_VEC4, TINYGLTF_TARGET_ARRAY_BUFFER, true);
+        if (stored) {
+            const std::vector<std::byte> bytes = packForms(*stored, visibility[i].forms, glm::transpose(rotation), info.bits);
+            streams.push_back(Value(Value::Object{{"mesh", Value(node.mesh)},
+                                                  {"primitive", Value(instance.primitive)},
+                                                  {"bufferView", Value(addView(model, bytes.data(), bytes.size(), 0))}}));
+        }
         if (surface.normalsMade) {
             const auto [made, fresh] = madeNormals.try_emplace(instance.surface, -1);
             if (fresh) made->second = addVectors(model, surface.normals);
             primitive.attributes["NORMAL"] = made->second;
         }
     }
+    Value::Object extras, description = describe(info);
+    if (stored) description["forms"] = Value(streams);
+    if (model.asset.extras.IsObject()) extras = model.asset.extras.Get<Value::Object>();
+    extras["apertura"] = Value(description);
+    model.asset.extras = Value(extras);
     if (model.buffers[0].data.size() > std::numeric_limits<uint32_t>::max() - (1u << 24))
         throw Error(path + ": the asset would be larger than the 4 GiB of a .glb");
     std::ostringstream stream;
@@ -298,34 +337,14 @@ bool hasVisibility(const Scene& scene) {
 Asset toAsset(Scene scene) {
     Asset asset;
     if (!hasVisibility(scene)) throw Error(scene.name + ": holds no baked visibility; make it with `apertura bake`");
-    const Model& model = scene.document->model;
-    for (const Instance& instance : scene.instances) {
-        const int mesh = model.nodes[instance.node].mesh;
-        const auto& attributes = model.meshes[mesh].primitives[instance.primitive].attributes;
-        const auto found = attributes.find(kAttribute);
-        if (found == attributes.end())
-            throw Error(scene.name + ": mesh " + std::to_string(mesh) + " holds no baked visibility");
-        const std::vector<float> values = readAccessor(model, found->second, 4, scene.name);
-        const tinygltf::Accessor& stored = model.accessors[found->second];
-        const bool wide = stored.componentType == TINYGLTF_COMPONENT_TYPE_SHORT;
-        if (!stored.normalized || (!wide && stored.componentType != TINYGLTF_COMPONENT_TYPE_BYTE))
-            throw Error(scene.name + ": _VISIBILITY is not of normalised bytes or shorts");
-        asset.info.bits = wide ? 16 : 8;
-        const glm::mat3 rotation = rotationPart(instance.toWorld);
-        std::vector<Visibility> points(values.size() / 4);
-        for (size_t i = 0; i < points.size(); ++i) {
-            points[i] = unpack(glm::vec4(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]));
-            points[i].direction = rotation * points[i].direction;
-        }
-        asset.visibility.push_back(std::move(points));
-    }
+    const Document& model = scene.document->model;
     if (model.asset.extras.IsObject() && model.asset.extras.Has("apertura")) {
-        const Value& stored = model.asset.extras.Get("apertura");
+        const Value& said = model.asset.extras.Get("apertura");
         auto number = [&](const char* key, double fallback) {
-            return stored.Has(key) && stored.Get(key).IsNumber() ? stored.Get(key).GetNumberAsDouble() : fallback;
+            return said.Has(key) && said.Get(key).IsNumber() ? said.Get(key).GetNumberAsDouble() : fallback;
         };
         auto text = [&](const char* key) {
-            return stored.Has(key) && stored.Get(key).IsString() ? stored.Get(key).Get<std::string>() : std::string();
+            return said.Has(key) && said.Get(key).IsString() ? said.Get(key).Get<std::string>() : std::string();
         };
         asset.info.version = text("version");
         asset.info.scene = text("scene");
@@ -335,11 +354,56 @@ Asset toAsset(Scene scene) {
         asset.info.maxDistance = number("maxDistance", 0);
         asset.info.rayOffset = number("rayOffset", 0);
         asset.info.hemisphere = text("hemisphere");
+        asset.info.tolerance = number("tolerance", 0);
+    }
+    const Model* stored = findStored(asset.info);
+    const std::map<std::pair<int, int>, int> streams = stored ? findStreams(model) : std::map<std::pair<int, int>, int>();
+    for (const Instance& instance : scene.instances) {
+        const int mesh = model.nodes[instance.node].mesh;
+        const auto& attributes = model.meshes[mesh].primitives[instance.primitive].attributes;
+        const auto found = attributes.find(kAttribute);
+        if (found == attributes.end())
+            throw Error(scene.name + ": mesh " + std::to_string(mesh) + " holds no baked visibility");
+        const std::vector<float> values = readAccessor(model, found->second, 4, scene.name);
+        const tinygltf::Accessor& accessor = model.accessors[found->second];
+        const bool wide = accessor.componentType == TINYGLTF_COMPONENT_TYPE_SHORT;
+        if (!accessor.normalized || (!wide && accessor.componentType != TINYGLTF_COMPONENT_TYPE_BYTE))
+            throw Error(scene.name + ": _VISIBILITY is not of normalised bytes or shorts");
+        asset.info.bits = wide ? 16 : 8;
+        const glm::mat3 rotation = rotationPart(instance.toWorld);
+        std::vector<Visibility> points(values.size() / 4);
+        for (size_t i = 0; i < points.size(); ++i) {
+            points[i] = unpack(glm::vec4(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]));
+            points[i].direction = rotation * points[i].direction;
+        }
+        asset.seen.push_back({std::move(points), {}});
+        if (!stored) continue;
+        const auto stream = streams.find({mesh, instance.primitive});
+        if (stream == streams.end()) throw Error(scene.name + ": mesh " + std::to_string(mesh) + " holds no numbers of the model " + asset.info.model);
+        try {
+            SeenByInstance& seen = asset.seen.back();
+            seen.forms = unpackForms(*stored, viewBytes(model, stream->second), seen.visibility.size(), rotation, asset.info.bits);
+        } catch (const Error& e) {
+            throw Error(scene.name + ": mesh " + std::to_string(mesh) + ": " + e.what());
+        }
     }
     asset.scene = std::move(scene);
     return asset;
 }
 
 Asset readAsset(const std::string& path) { return toAsset(readGltf(path)); }
+
+double bytesAPoint(const Asset& asset) {
+    const Model* stored = findStored(asset.info);
+    double numbers = 0, points = 0;
+    for (const SeenByInstance& seen : asset.seen) {
+        points += double(seen.visibility.size());
+        if (!stored) continue;
+        for (const Form& form : seen.forms)
+            numbers += storedNumbers(models()[size_t(chosenModel(stored->id, form))]);
+    }
+    const double choice = stored && stored->id == MODEL_AUTO ? 1 : 0;
+    return asset.info.bits / 2.0 + choice + numbers / std::max(points, 1.0) * asset.info.bits / 8;
+}
 
 }  // namespace apertura

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "runtime/scene.h"
-#include "sh/sh4.h"
+#include "sh/models.h"
 
 namespace apertura {
 
@@ -13,7 +13,8 @@ namespace apertura {
 struct BakeInfo {
     std::string version;
     std::string scene;         // what it was baked from: a file's name without its folder, or builtin:NAME
-    std::string model = "sh";  // sh: the four coefficients; rays: area and mean direction from the rays
+    std::string model = "sh";  // the recipe (bake/fit.h): sh, rays, sh-fit, or the stored model's name
+    double tolerance = 0;      // of the model "auto", 0 for others
     int rays = 256;            // a vertex
     int bits = 8;              // a component
     uint32_t seed = 1;
@@ -22,14 +23,21 @@ struct BakeInfo {
     std::string hemisphere = "vertex normal";
 };
 
-// One Visibility a position, for each instance of the scene, in world directions.
-using BakedVisibility = std::vector<std::vector<Visibility>>;
+// What the positions of one instance see, in world directions.
+struct SeenByInstance {
+    std::vector<Visibility> visibility;  // one a position
+    std::vector<Form> forms;             // the same, where a model is stored beside it; else empty
+};
+using BakedVisibility = std::vector<SeenByInstance>;  // one an instance of the scene
 
 struct Asset {
     Scene scene;
-    BakedVisibility visibility;
+    BakedVisibility seen;
     BakeInfo info;
 };
+
+// Bytes that a vertex's visibility takes, on average: the four numbers and what is stored beside them.
+double bytesAPoint(const Asset& asset);
 
 // Writes `scene` with its visibility as .glb: a document that the scene came from keeps all its content;
 // instances of one mesh get an attribute each and share the rest. Throws Error naming `path`.

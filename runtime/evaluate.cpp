@@ -7,7 +7,7 @@
 
 namespace apertura {
 
-std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, std::span<const Evaluation> inputs) {
+std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int size, std::span<const Evaluation> inputs) {
     const auto in = upload(gpu, std::as_bytes(inputs), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     const GpuBuffer out(gpu, inputs.size() * sizeof(vec2), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GpuBuffer::Place::Host);
     const GpuBindings::Binding slots[] = {
@@ -15,8 +15,9 @@ std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, std::span<const Ev
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_COMPUTE_BIT, &out}};
     const GpuBindings bindings(gpu, slots);
     const GpuShader shader(gpu, evaluate_comp);
-    const VkSpecializationMapEntry entry{0, 0, sizeof model};
-    const VkSpecializationInfo constants{1, &entry, sizeof model, &model};
+    const int32_t values[] = {model, size};
+    const VkSpecializationMapEntry entries[] = {{0, 0, sizeof(int32_t)}, {1, sizeof(int32_t), sizeof(int32_t)}};
+    const VkSpecializationInfo constants{2, entries, sizeof values, values};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT,
                   shader.handle(), "main", &constants};

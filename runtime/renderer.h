@@ -13,27 +13,34 @@ namespace apertura {
 
 class Renderer {
 public:
-    // Converts the asset's visibility to apertures and uploads everything, once. `gpu` must outlive it.
+    // Uploads the geometry, once. `gpu` and `asset` must outlive it.
     Renderer(const Gpu& gpu, const Asset& asset);
     ~Renderer();
 
-    // The scene through one model. Nothing is loaded again between models: a pipeline each, made when first
-    // asked for, from one shader. Throws Error where the picture is too large for the device.
-    Picture draw(const View& view, const ModelInfo& model);
+    // The scene through one model: made from the four numbers, or the one that the asset stores. A model's
+    // forms are uploaded and its pipeline made, from the one shader, when it is first asked for. Throws Error
+    // where the asset does not hold the model, or the picture or the forms are too large for the device.
+    Picture draw(const View& view, const Model& model);
 
 private:
-    VkPipeline pipeline(int model);
+    struct Forms {
+        std::unique_ptr<GpuBuffer> buffer;
+        std::unique_ptr<GpuBindings> bindings;
+    };
+    const Forms& forms(const Model& model);
+    VkPipeline pipeline(const Model& model, int size, const GpuBindings& bindings);
 
     const Gpu& gpu_;
+    const Asset& asset_;
     float nearest_;
     uint32_t indexCount_ = 0;
     std::unique_ptr<GpuBuffer> vertices_, indices_, frame_;
-    std::unique_ptr<GpuBindings> bindings_;
     std::unique_ptr<GpuShader> vertexShader_, fragmentShader_;
-    std::map<int, VkPipeline> pipelines_;
+    std::map<int, Forms> forms_;                           // by model
+    std::map<std::pair<int, int>, VkPipeline> pipelines_;  // by model and class of lights
 };
 
-// lightThrough and skyThrough (x, y) of a model on the device, for each of `inputs`.
-std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, std::span<const Evaluation> inputs);
+// lightThrough and skyThrough (x, y) of a model on the device, for each of `inputs`; `size` LIGHTS_...
+std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int size, std::span<const Evaluation> inputs);
 
 }  // namespace apertura

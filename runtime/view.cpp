@@ -16,12 +16,11 @@ glm::dmat3 cameraFrame(const Camera& camera) {
 }  // namespace
 
 Light directionLight(const glm::vec3& direction, double radius, const glm::vec3& radiance) {
-    const double half = std::sin(radius / 2);
-    return {vec4(glm::normalize(direction), 0), vec4(std::sin(radius), 2 * half * half, 0, 0), vec4(radiance, 0)};
+    return lightFrom(capLight(glm::normalize(direction), float(std::sin(radius))), radiance);
 }
 
 Light placedLight(const glm::vec3& centre, double radius, const glm::vec3& radiance) {
-    return {vec4(centre, 1), vec4(0, 0, radius, 0), vec4(radiance, 0)};
+    return {vec4(centre, 1), vec4(0, 0, 0, radius), vec4(0), vec4(0), vec4(radiance, 0)};
 }
 
 glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest) {

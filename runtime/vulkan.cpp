@@ -101,6 +101,8 @@ Gpu::Gpu(const GpuOptions& options) : messages_(std::make_unique<std::vector<std
         vkGetPhysicalDeviceProperties(physical_, &properties);
         name_ = properties.deviceName;
         largestImage_ = properties.limits.maxImageDimension2D;
+        largestBuffer_ = properties.limits.maxStorageBufferRange;
+        if (properties.limits.timestampComputeAndGraphics) clockTick_ = properties.limits.timestampPeriod * 1e-9;
 
         const float priority = 1;
         VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -114,6 +116,15 @@ Gpu::Gpu(const GpuOptions& options) : messages_(std::make_unique<std::vector<std
         VkDeviceCreateInfo device{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
         device.queueCreateInfoCount = 1;
         device.pQueueCreateInfos = &queue;
+        VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables{
+            VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR};
+        executables.pipelineExecutableInfo = VK_TRUE;
+        const char* const executableProperties = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
+        if (options.statistics) {
+            features.pNext = &executables;
+            device.enabledExtensionCount = 1;
+            device.ppEnabledExtensionNames = &executableProperties;
+        }
         check(vkCreateDevice(physical_, &device, nullptr, &device_), "vkCreateDevice");
         vkGetDeviceQueue(device_, family_, 0, &queue_);
         VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
@@ -279,6 +290,11 @@ GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings) : gp
     set.bindingCount = uint32_t(slots.size());
     set.pBindings = slots.data();
     check(vkCreateDescriptorSetLayout(gpu.device(), &set, nullptr, &setLayout_), "vkCreateDescriptorSetLayout");
+    VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+    layout.setLayoutCount = 1;
+    layout.pSetLayouts = &setLayout_;
+    check(vkCreatePipelineLayout(gpu.device(), &layout, nullptr, &layout_), "vkCreatePipelineLayout");
+    if (std::any_of(bindings.begin(), bindings.end(), [](const Binding& b) { return !b.buffer; })) return;
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.maxSets = 1;
     pool.poolSizeCount = uint32_t(sizes.size());
@@ -296,10 +312,6 @@ GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings) : gp
         write.pBufferInfo = &buffer;
         vkUpdateDescriptorSets(gpu.device(), 1, &write, 0, nullptr);
     }
-    VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-    layout.setLayoutCount = 1;
-    layout.pSetLayouts = &setLayout_;
-    check(vkCreatePipelineLayout(gpu.device(), &layout, nullptr, &layout_), "vkCreatePipelineLayout");
 }
 
 GpuBindings::~GpuBindings() {

@@ -14,6 +14,7 @@ namespace apertura {
 
 struct GpuOptions {
     bool validate = false;  // load VK_LAYER_KHRONOS_validation and keep its messages
+    bool statistics = false;  // enable VK_KHR_pipeline_executable_properties
 };
 
 // One device and one queue with graphics and compute; a GPU is preferred to a processor.
@@ -27,6 +28,8 @@ public:
     VkDevice device() const { return device_; }
     const std::string& name() const { return name_; }
     uint32_t largestImage() const { return largestImage_; }  // pixels a side
+    double clockTick() const { return clockTick_; }         // seconds a timestamp; 0 where there are none
+    VkDeviceSize largestBuffer() const { return largestBuffer_; }  // bytes that a shader can read
     // Warnings and errors of the validation layer so far.
     const std::vector<std::string>& messages() const { return *messages_; }
 
@@ -44,6 +47,8 @@ private:
     VkQueue queue_ = VK_NULL_HANDLE;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     uint32_t family_ = 0, largestImage_ = 0;
+    double clockTick_ = 0;
+    VkDeviceSize largestBuffer_ = 0;
     std::string name_;
     std::unique_ptr<std::vector<std::string>> messages_;
 };
@@ -113,7 +118,8 @@ private:
     VkShaderModule module_ = VK_NULL_HANDLE;
 };
 
-// One descriptor set of buffers, bindings 0, 1, ..., and a pipeline layout for it.
+// One descriptor set of buffers, bindings 0, 1, ..., and a pipeline layout for it. Where a buffer is null
+// there is the layout alone, to compile for.
 class GpuBindings {
 public:
     struct Binding {

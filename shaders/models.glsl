@@ -1,59 +1,155 @@
 // The visibility models, by number: what each makes of one light and of the sky.
-// GLSL and C++ include this text; sh/models.h names them.
+// GLSL and C++ include this text; sh/models.cpp names them and says what they store.
 #ifndef APERTURA_MODELS_GLSL
 #define APERTURA_MODELS_GLSL
 #include "aperture.glsl"
+#include "harmonics.glsl"
+#include "horizon.glsl"
 #include "soft.glsl"
 
-const int MODEL_AO = 0;
-const int MODEL_SH_L1 = 1;
-const int MODEL_OAT = 2;
-const int MODEL_APERTURE = 3;
-const int MODEL_SOFT = 4;
-const int MODEL_COUNT = 5;
+const int MODEL_UNSHADOWED = 0;
+const int MODEL_AO = 1;
+const int MODEL_SH_L1 = 2;
+const int MODEL_SH_L2 = 3;
+const int MODEL_SH_L4 = 4;
+const int MODEL_OAT = 5;
+const int MODEL_APERTURE = 6;
+const int MODEL_ALPHA = 7;
+const int MODEL_ANTI = 8;
+const int MODEL_SOFT = 9;
+const int MODEL_FIRM_2 = 10;
+const int MODEL_SOFT_2 = 11;
+const int MODEL_SOFT_L2 = 12;
+const int MODEL_FIRM_3 = 13;
+const int MODEL_FIRM_4 = 14;
+const int MODEL_MULTI_2 = 15;
+const int MODEL_MULTI_3 = 16;
+const int MODEL_MULTI_4 = 17;
+const int MODEL_CAP_ANTI = 18;
+const int MODEL_HORIZON = 19;
+const int MODEL_AUTO = 20;
+const int MODEL_COUNT = 21;
 
-// What one receiver sees, in the forms that the models read; all three from the same four numbers.
+// The vec4s that a model's form of one point takes in the shader, at most.
+const int MAX_SLOTS = 6;
+
+// What one receiver sees. `form` is the model's own (sh/models.cpp says what stands in each slot).
 struct Receiver {
-    vec3 normal;          // unit
-    vec3 visibleDirection; // D, sr
-    float visibleArea;    // A, sr, 0..2 pi
-    Aperture aperture;
-    SoftAperture soft;
+    vec3 normal;      // unit
+    vec4 visibility;  // D, A, sr
+    vec4 form[MAX_SLOTS];
 };
 
-// A receiver from what a vertex carries (sh/vertex_visibility.h) and the rasteriser interpolates.
-APERTURA_FN Receiver interpolatedReceiver(vec3 normal, vec4 visibility, vec4 aperture, vec4 soft) {
-    vec3 axis = vec3(aperture);
+APERTURA_FN SoftAperture softIn(vec4 slot) { return SoftAperture(vec3(slot), slot.w); }
+
+// Interpolated axes are not unit; where nothing is left of them the normal is the best guess.
+APERTURA_FN Aperture apertureIn(vec4 slot, vec3 normal) {
+    vec3 axis = vec3(slot);
     float squared = dot(axis, axis);
-    return Receiver(normal, vec3(visibility), visibility.w,
-                    Aperture(squared > 1e-8f ? axis * inversesqrt(squared) : normal, aperture.w),
-                    SoftAperture(vec3(soft), soft.w));
+    return Aperture(squared > 1e-8f ? axis * inversesqrt(squared) : normal, slot.w);
 }
 
-// Visibility averaged over a cap light, from the bands 0 and 1: the cap scales band 1 by (1 + cos r) / 2.
-APERTURA_FN float shVisibility(Receiver receiver, CapLight light) {
-    float band1 = 3.0f * (1.0f - 0.5f * light.height) * dot(receiver.visibleDirection, light.axis);
-    return clamp((receiver.visibleArea + band1) / (4.0f * PI), 0.0f, 1.0f);
+// Visibility averaged over a cap light, from its SH up to band `bands`.
+APERTURA_FN float shVisibility(Receiver receiver, CapLight light, int bands) {
+    vec4 blur = capBlur(light.height);
+    float v = (receiver.visibility.w + 3.0f * blur.x * dot(vec3(receiver.visibility), light.axis)) / (4.0f * PI);
+    if (bands >= 2) {
+        HighBands y = highBands(light.axis);
+        v += blur.y * (dot(y.c[0], receiver.form[0]) + y.c[1].x * receiver.form[1].x);
+        if (bands >= 4) {
+            vec3 band3 = vec3(y.c[1].y * receiver.form[1].y, y.c[1].z * receiver.form[1].z, y.c[1].w * receiver.form[1].w);
+            v += blur.z * (band3.x + band3.y + band3.z + dot(y.c[2], receiver.form[2]));
+            v += blur.w * (dot(y.c[3], receiver.form[3]) + dot(y.c[4], receiver.form[4]) + y.c[5].x * receiver.form[5].x);
+        }
+    }
+    return clamp(v, 0.0f, 1.0f);
 }
 
-// E of a cap light at the receiver.
-APERTURA_FN float lightThrough(int model, Receiver receiver, CapLight light) {
-    if (model == MODEL_OAT) return oatLightThroughAperture(receiver.normal, receiver.aperture, light);
-    if (model == MODEL_APERTURE) return lightThroughAperture(receiver.normal, receiver.aperture, light);
-    if (model == MODEL_SOFT) return lightThroughSoft(receiver.normal, receiver.soft, light);
-    float open = lightAboveHorizon(receiver.normal, light);
-    if (model == MODEL_SH_L1) return open * shVisibility(receiver, light);
-    return open * receiver.visibleArea / (2.0f * PI);
+// E of a cap light through the product of `count` lobes or, where the slot behind them has a 1 in x, through
+// what the product leaves: several openings instead of one opening between blockers.
+APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light, int size) {
+    vec3 n = receiver.normal;
+    float visible = 1.0f;
+    if (size == LIGHTS_SMALL) {
+        for (int k = 0; k < count; ++k) visible *= link(receiver.form[k].w + dot(vec3(receiver.form[k]), light.axis));
+    } else if (size == LIGHTS_MEDIUM) {
+        for (int k = 0; k < count; ++k) {
+            vec3 slope = vec3(receiver.form[k]);
+            visible *= linkOverLight(n, receiver.form[k].w + dot(slope, light.axis), slope, light, wholeDisc());
+        }
+    } else {
+        visible = 0.0f;
+        FourLights four = quarters(n, light);
+        for (int i = 0; i < 4; ++i) {
+            float all = four.weight[i];
+            for (int k = 0; k < count; ++k) all *= lobeOverPart(n, softIn(receiver.form[k]), four.axis[i], four.part);
+            visible += all;
+        }
+    }
+    return lightOnSurface(n, light, size) * (receiver.form[count].x > 0.5f ? 1.0f - visible : visible);
+}
+
+// E of a cap light at the receiver. `size`: the least of LIGHTS_... that covers it.
+APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, int size) {
+    vec3 n = receiver.normal;
+    if (model == MODEL_OAT) return oatLightThroughAperture(n, apertureIn(receiver.form[0], n), light);
+    if (model == MODEL_APERTURE) return lightThroughAperture(n, apertureIn(receiver.form[0], n), light, size);
+    if (model == MODEL_ALPHA)
+        return receiver.form[1].x * lightThroughAperture(n, apertureIn(receiver.form[0], n), light, size);
+    if (model == MODEL_ANTI) {
+        float anti = lightOnSurface(n, light, size) - lightThroughAperture(n, apertureIn(receiver.form[1], n), light, size);
+        return mix(lightThroughAperture(n, apertureIn(receiver.form[0], n), light, size), max(anti, 0.0f), receiver.form[2].x);
+    }
+    if (model == MODEL_SOFT) return lightThroughSoft(n, softIn(receiver.form[0]), light, size);
+    if (model == MODEL_SOFT_2 || model == MODEL_FIRM_2) return lightThroughLobes(receiver, 2, light, size);
+    if (model == MODEL_FIRM_3) return lightThroughLobes(receiver, 3, light, size);
+    if (model == MODEL_FIRM_4) return lightThroughLobes(receiver, 4, light, size);
+    if (model == MODEL_SOFT_L2)
+        return lightThroughQuadric(n, SoftQuadric(vec3(receiver.form[0]), receiver.form[0].w, receiver.form[1], receiver.form[2].x),
+                                   light, size);
+    if (model == MODEL_CAP_ANTI)
+        return lightThroughTwoCaps(n, apertureIn(receiver.form[0], n), apertureIn(receiver.form[1], n), receiver.form[2].x,
+                                   light, size);
+    if (model == MODEL_HORIZON)
+        return lightOverHorizon(n, receiver.form[0], receiver.form[1], receiver.form[2], receiver.form[3], light, size);
+    float open = lightOnSurface(n, light, size);
+    if (model == MODEL_MULTI_2 || model == MODEL_MULTI_3 || model == MODEL_MULTI_4) {
+        float sum = lightThroughAperture(n, apertureIn(receiver.form[0], n), light, size)
+                  + lightThroughAperture(n, apertureIn(receiver.form[1], n), light, size);
+        if (model != MODEL_MULTI_2) sum += lightThroughAperture(n, apertureIn(receiver.form[2], n), light, size);
+        if (model == MODEL_MULTI_4) sum += lightThroughAperture(n, apertureIn(receiver.form[3], n), light, size);
+        return min(sum, open);
+    }
+    if (model == MODEL_SH_L1) return open * shVisibility(receiver, light, 1);
+    if (model == MODEL_SH_L2) return open * shVisibility(receiver, light, 2);
+    if (model == MODEL_SH_L4) return open * shVisibility(receiver, light, 4);
+    if (model == MODEL_AO) return open * receiver.visibility.w / (2.0f * PI);
+    return open;
+}
+
+// The same for every model; `auto` holds the number of its own choice for this point in form[4].y.
+APERTURA_FN float lightThrough(int model, Receiver receiver, CapLight light, int size) {
+    if (model != MODEL_AUTO) return lightThroughOne(model, receiver, light, size);
+    int chosen = int(receiver.form[4].y + 0.5f);
+    if (chosen == MODEL_AO) return lightThroughOne(MODEL_AO, receiver, light, size);
+    if (chosen == MODEL_APERTURE) return lightThroughOne(MODEL_APERTURE, receiver, light, size);
+    if (chosen == MODEL_SOFT) return lightThroughOne(MODEL_SOFT, receiver, light, size);
+    if (chosen == MODEL_SOFT_2 || chosen == MODEL_FIRM_2) return lightThroughLobes(receiver, 2, light, size);
+    if (chosen == MODEL_SOFT_L2) return lightThroughOne(MODEL_SOFT_L2, receiver, light, size);
+    if (chosen == MODEL_FIRM_3) return lightThroughLobes(receiver, 3, light, size);
+    return lightThroughLobes(receiver, 4, light, size);
 }
 
 // E of a sky of unit radiance all around. From the four numbers it is exactly dot(normal, D); the
 // published method and plain occlusion know only the cap, or its area.
 APERTURA_FN float skyThrough(int model, Receiver receiver) {
-    if (model == MODEL_OAT)
-        return 2.0f * PI * receiver.aperture.height
-             * max(dot(receiver.normal, receiver.aperture.axis), 0.0f);
-    if (model == MODEL_AO) return 0.5f * receiver.visibleArea;
-    return max(dot(receiver.normal, receiver.visibleDirection), 0.0f);
+    if (model == MODEL_OAT) {
+        Aperture aperture = apertureIn(receiver.form[0], receiver.normal);
+        return 2.0f * PI * aperture.height * max(dot(receiver.normal, aperture.axis), 0.0f);
+    }
+    if (model == MODEL_UNSHADOWED) return PI;
+    if (model == MODEL_AO) return 0.5f * receiver.visibility.w;
+    return max(dot(receiver.normal, vec3(receiver.visibility)), 0.0f);
 }
 
 #endif

@@ -1,29 +1,57 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "frame.glsl"
 #include "models.glsl"
+#include "scene.glsl"
 
-layout(constant_id = 0) const int model = MODEL_SOFT;  // one pipeline a model
-layout(set = 0, binding = 0) uniform FrameBlock { Frame frame; };
+// One pipeline a model and class of lights.
+layout(constant_id = 0) const int model = MODEL_SOFT;
+layout(constant_id = 1) const int size = LIGHTS_ANY;
+layout(constant_id = 2) const uint slots = 1;     // of a form
+layout(constant_id = 3) const bool mixes = true;  // forms may be interpolated
+layout(std430, set = 0, binding = 3) readonly buffer Forms { vec4 forms[]; };  // `slots` a vertex
 
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
-layout(location = 2) in vec4 visibility;
-layout(location = 3) in vec4 aperture;
-layout(location = 4) in vec4 soft;
+layout(location = 2) in vec3 weights;
+layout(location = 3) flat in uvec3 corners;
 
 layout(location = 0) out vec4 colour;  // reflected radiance, linear
 
-void main() {
-    Receiver receiver = interpolatedReceiver(normalize(worldNormal), visibility, aperture, soft);
-    vec3 irradiance = vec3(0.0);
+Receiver receiver;
+
+// Irradiance of the lights and, in `sky`, of the sky; returns what the lights give for unit radiance.
+float lightReceiver(float share, inout vec3 irradiance, inout float sky) {
     float lit = 0.0;
     for (int i = 0; i < frame.counts.x; ++i) {
-        float e = lightThrough(model, receiver, lightSeenFrom(worldPosition, frame.lights[i]));
+        float e = share * lightThrough(model, receiver, lightSeenFrom(worldPosition, frame.lights[i]), size);
         irradiance += e * frame.lights[i].radiance.rgb;
         lit += e;
     }
+    sky += share * skyThrough(model, receiver);
+    return lit;
+}
+
+void main() {
+    vec3 irradiance = vec3(0.0);
+    float lit = 0.0, sky = 0.0;
+    receiver.normal = normalize(worldNormal);
+    if (mixes) {
+        receiver.visibility = vec4(0.0);
+        for (int k = 0; k < MAX_SLOTS; ++k) receiver.form[k] = vec4(0.0);
+        for (int c = 0; c < 3; ++c) {
+            receiver.visibility += weights[c] * vertices[corners[c]].visibility;
+            for (uint k = 0; k < slots; ++k) receiver.form[k] += weights[c] * forms[corners[c] * slots + k];
+        }
+        lit = lightReceiver(1.0, irradiance, sky);
+    } else {
+        // Lobes of neighbours need not belong together: the light through each is interpolated instead.
+        for (int c = 0; c < 3; ++c) {
+            receiver.visibility = vertices[corners[c]].visibility;
+            for (uint k = 0; k < slots; ++k) receiver.form[k] = forms[corners[c] * slots + k];
+            lit += lightReceiver(weights[c], irradiance, sky);
+        }
+    }
     // The sky fills what the lights leave of the opening.
-    irradiance += max(skyThrough(model, receiver) - lit, 0.0) * frame.sky.rgb;
+    irradiance += max(sky - lit, 0.0) * frame.sky.rgb;
     colour = vec4(frame.albedo.rgb / PI * irradiance, 1.0);
 }

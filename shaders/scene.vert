@@ -1,26 +1,20 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "frame.glsl"
+#include "scene.glsl"
 
-layout(set = 0, binding = 0) uniform FrameBlock { Frame frame; };
-
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec4 visibility;
-layout(location = 3) in vec4 aperture;
-layout(location = 4) in vec4 soft;
-
+// The three corners of the triangle, and how much of each the fragment is.
 layout(location = 0) out vec3 worldPosition;
 layout(location = 1) out vec3 worldNormal;
-layout(location = 2) out vec4 seenVisibility;
-layout(location = 3) out vec4 seenAperture;
-layout(location = 4) out vec4 seenSoft;
+layout(location = 2) out vec3 weights;
+layout(location = 3) flat out uvec3 corners;
 
 void main() {
-    worldPosition = position;
-    worldNormal = normal;
-    seenVisibility = visibility;
-    seenAperture = aperture;
-    seenSoft = soft;
-    gl_Position = frame.toClip * vec4(position, 1.0);
+    uint corner = gl_VertexIndex % 3;
+    uint first = gl_VertexIndex - corner;
+    corners = uvec3(indices[first], indices[first + 1], indices[first + 2]);
+    SceneVertex v = vertices[corners[corner]];
+    worldPosition = v.position.xyz;
+    worldNormal = v.normal.xyz;
+    weights = vec3(corner == 0, corner == 1, corner == 2);
+    gl_Position = frame.toClip * vec4(v.position.xyz, 1.0);
 }

@@ -1,9 +1,10 @@
-// The soft aperture: visibility as a smooth step across a plane through the directions,
-// V(w) = link(offset + dot(slope, w)), link(f) = 1/2 + f / (2 sqrt(1 + f^2)). It carries all four SH
-// coefficients, where a cap carries three. A model of our own. GLSL and C++ include this text.
+// Soft apertures: visibility as a smooth step across a plane through the directions,
+// V(w) = link(offset + dot(slope, w)), link(f) = 1/2 + f / (2 sqrt(1 + f^2)), and what is made of several.
+// One carries all four SH coefficients, where a cap carries three. Models of our own.
+// GLSL and C++ include this text.
 #ifndef APERTURA_SOFT_GLSL
 #define APERTURA_SOFT_GLSL
-#include "cap.glsl"
+#include "horizon.glsl"
 
 // The open directions around a point, soft-edged.
 struct SoftAperture {
@@ -11,20 +12,124 @@ struct SoftAperture {
     float offset;
 };
 
-// E of a cap light through a soft aperture, cut by the receiver's horizon.
-// The light is averaged over its disc: `spread` is the variance of the plane across it, and `sunk`
-// leans a light that the horizon cuts towards the part that is left. Within 0.014 RMS (0.15 max) of the
-// model's own integral over the light, for radii 0.27..45 degrees: tests/soft_test.cpp.
-APERTURA_FN float lightThroughSoft(vec3 normal, SoftAperture soft, CapLight light) {
+APERTURA_FN float link(float f) { return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f); }
+
+// How a plane is averaged over a cap light: constants fitted to the integral over lobes that scenes have.
+struct DiscLaw {
+    float shrink;    // the centre's way to the cap's centroid, in heights of the cap
+    float lean;      // of a light that the horizon cuts, towards the part that is left, in sines of its radius,
+    float leanLess;  // and less with each unit of its cosine to the normal
+    float across;    // squared half breadth of the line that stands for the disc, in squared sines,
+    float through;   // and for the bulge, in squared heights
+};
+APERTURA_FN DiscLaw wholeDisc() { return DiscLaw(0.46f, 0.433f, 0.155f, 0.648f, 0.081f); }
+APERTURA_FN DiscLaw quarterDisc() { return DiscLaw(0.452f, 0.325f, 0.089f, 0.623f, 0.194f); }
+
+// The mean of link(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
+// axis and has the gradient `slope`. The integral of link has a closed form along a line; the disc is near
+// to one.
+APERTURA_FN float linkOverLight(vec3 normal, float centre, vec3 slope, CapLight light, DiscLaw law) {
     float z = dot(normal, light.axis);
     float s = light.sinRadius;
-    float along = dot(soft.slope, light.axis);
-    float sunk = max(0.47f * s - 0.21f * z, 0.0f);
-    float f = soft.offset + along * (1.0f - 0.38f * light.height)
-            + sunk * (dot(soft.slope, normal) - along * z);
-    float spread = 0.215f * s * s * max(dot(soft.slope, soft.slope) - along * along, 0.0f);
-    float visible = 0.5f + 0.5f * f * inversesqrt(1.0f + spread + f * f);
-    return PI * s * s * horizonCosine(z, s) * visible;
+    float along = dot(slope, light.axis);
+    float lean = max(law.lean * s - law.leanLess * z, 0.0f);
+    float f = centre - law.shrink * light.height * along + lean * (dot(slope, normal) - along * z);
+    float through = light.height * along;
+    float q2 = law.across * s * s * max(dot(slope, slope) - along * along, 0.0f) + law.through * through * through;
+    // 1/2 + f / (sqrt(1 + (f + q)^2) + sqrt(1 + (f - q)^2)), with one root less.
+    float b = 1.0f + f * f + q2;
+    return clamp(0.5f + 0.5f * f * inversesqrt(0.5f * (b + sqrt(max(b * b - 4.0f * f * f * q2, 0.0f)))), 0.0f, 1.0f);
+}
+
+// The mean of link over a light of medium size, cheaply: the line's breadth is one more term under the root.
+APERTURA_FN float lobeOverMedium(SoftAperture lobe, CapLight light) {
+    float along = dot(lobe.slope, light.axis);
+    float f = lobe.offset + along * light.shrink;
+    return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f + light.spread * (dot(lobe.slope, lobe.slope) - along * along));
+}
+
+// E of a cap light through a soft aperture, cut by the receiver's horizon. Of the model's own integral over
+// the light it is within 0.008 RMS for radii 0.27..45 degrees: tests/soft_test.cpp.
+APERTURA_FN float lightThroughSoft(vec3 normal, SoftAperture soft, CapLight light, int size) {
+    float visible = 0.0f;
+    if (size == LIGHTS_SMALL) {
+        visible = link(soft.offset + dot(soft.slope, light.axis));
+    } else if (size == LIGHTS_MEDIUM) {
+        visible = lobeOverMedium(soft, light);
+    } else {
+        visible = linkOverLight(normal, soft.offset + dot(soft.slope, light.axis), soft.slope, light, wholeDisc());
+    }
+    return lightOnSurface(normal, light, size) * visible;
+}
+
+// A large light as four smaller ones around its centre: what has no closed form over one disc is summed
+// over them. Each has the size of the light in `part`.
+struct FourLights {
+    CapLight part;
+    vec3 axis[4];
+    float weight[4];  // by their light above the horizon; sum 1
+};
+
+APERTURA_FN FourLights quarters(vec3 normal, CapLight light) {
+    vec3 u = tangentTo(light.axis);
+    vec3 v = cross(light.axis, u);
+    float side = 0.632f * light.sinRadius;
+    vec3 centre = sqrt(1.0f - side * side) * light.axis;
+    FourLights four;
+    four.part = capLight(light.axis, 0.53f * light.sinRadius);
+    four.axis[0] = centre + side * u;
+    four.axis[1] = centre - side * u;
+    four.axis[2] = centre + side * v;
+    four.axis[3] = centre - side * v;
+    float sum = 0.0f;
+    for (int i = 0; i < 4; ++i) {
+        four.weight[i] = horizonCosine(dot(normal, four.axis[i]), four.part.rim, four.part.rimSlope) + 1e-6f;
+        sum += four.weight[i];
+    }
+    float scale = 1.0f / sum;
+    for (int i = 0; i < 4; ++i) four.weight[i] *= scale;
+    return four;
+}
+
+APERTURA_FN float lobeOverPart(vec3 normal, SoftAperture lobe, vec3 axis, CapLight part) {
+    part.axis = axis;
+    return linkOverLight(normal, lobe.offset + dot(lobe.slope, axis), lobe.slope, part, quarterDisc());
+}
+
+// A soft aperture whose step follows a quadric: link(offset + dot(slope, w) + w Q w), Q symmetric and
+// without trace.
+struct SoftQuadric {
+    vec3 slope;
+    float offset;
+    vec4 bend;      // Qxx, Qyy, Qxy, Qxz
+    float bendYz;
+};
+
+APERTURA_FN vec3 bendTimes(SoftQuadric q, vec3 w) {
+    return vec3(q.bend.x * w.x + q.bend.z * w.y + q.bend.w * w.z, q.bend.z * w.x + q.bend.y * w.y + q.bendYz * w.z,
+                q.bend.w * w.x + q.bendYz * w.y - (q.bend.x + q.bend.y) * w.z);
+}
+
+// E of a cap light through it: the step's plane is the quadric's tangent at the light's quarters.
+APERTURA_FN float lightThroughQuadric(vec3 normal, SoftQuadric soft, CapLight light, int size) {
+    float visible = 0.0f;
+    vec3 bend = bendTimes(soft, light.axis);
+    float centre = soft.offset + dot(soft.slope + bend, light.axis);
+    if (size == LIGHTS_SMALL) {
+        visible = link(centre);
+    } else if (size == LIGHTS_MEDIUM) {
+        visible = linkOverLight(normal, centre, soft.slope + 2.0f * bend, light, wholeDisc());
+    } else {
+        FourLights four = quarters(normal, light);
+        for (int i = 0; i < 4; ++i) {
+            CapLight part = four.part;
+            part.axis = four.axis[i];
+            vec3 bent = bendTimes(soft, part.axis);
+            float middle = soft.offset + dot(soft.slope + bent, part.axis);
+            visible += four.weight[i] * linkOverLight(normal, middle, soft.slope + 2.0f * bent, part, quarterDisc());
+        }
+    }
+    return lightOnSurface(normal, light, size) * visible;
 }
 
 #endif

@@ -17,6 +17,12 @@ Scene sceneOf(Surface surface, const glm::mat4& transform = glm::mat4(1)) {
     return scene;
 }
 
+std::vector<Visibility> visibilityAt(const Tracer& tracer, std::span<const SurfacePoint> points, const BakeOptions& options) {
+    std::vector<Visibility> out;
+    for (const BakedPoint& p : bakePoints(tracer, points, options)) out.push_back(p.visibility);
+    return out;
+}
+
 Surface ball(const glm::dvec3& centre, double radius) {
     Surface surface;
     addBlob(surface, centre, 256, [radius](const glm::dvec3&) { return radius; });
@@ -27,9 +33,9 @@ TEST(Bake, AnOpenPlaneSeesTheWholeHemisphere) {
     Surface plane;
     addPanel(plane, {-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, 1);
     const Scene scene = sceneOf(plane);
-    for (BakeModel model : {BakeModel::Sh, BakeModel::Rays}) {
-        const BakedVisibility baked = bakeVertices(scene, Tracer(scene), {model});
-        for (const Visibility& v : baked[0]) {
+    for (const char* recipe : {"sh", "rays"}) {
+        const BakedVisibility baked = bakeVertices(scene, Tracer(scene), {.recipe = recipe});
+        for (const Visibility& v : baked[0].visibility) {
             EXPECT_NEAR(v.area, 2 * kPi, 1e-5);
             EXPECT_NEAR(v.direction.y, kPi, 1e-4);
         }
@@ -41,7 +47,7 @@ TEST(Bake, UnderASphereTheBlockedRegionIsACap) {
     const Scene scene = sceneOf(ball({0, 3, 0}, 1));
     const SurfacePoint point{{0, 0, 0}, {0, 1, 0}};
     const double cosine = std::sqrt(1 - 1 / 9.0);
-    const std::vector<Visibility> v = bakePoints(Tracer(scene), {&point, 1}, {BakeModel::Sh, 16384});
+    const std::vector<Visibility> v = visibilityAt(Tracer(scene), {&point, 1}, {.recipe = "sh", .rays = 16384});
     EXPECT_NEAR(v[0].area, 2 * kPi * cosine, 3e-3);
     EXPECT_NEAR(v[0].direction.y, kPi - kPi / 9, 3e-3);
 }
@@ -51,7 +57,7 @@ TEST(Bake, BesideAWallHalfTheSkyIsLeft) {
     addPanel(wall, {0, -500, 500}, {0, 0, -1000}, {0, 1000, 0}, 1000);
     const Scene scene = sceneOf(wall);
     const SurfacePoint point{{-0.01f, 0, 0}, {0, 1, 0}};
-    const Visibility v = bakePoints(Tracer(scene), {&point, 1}, {BakeModel::Rays, 16384})[0];
+    const Visibility v = visibilityAt(Tracer(scene), {&point, 1}, {.recipe = "rays", .rays = 16384})[0];
     EXPECT_NEAR(v.area, kPi, 5e-3);  // a quarter of the sphere: F = pi/2 (up - x)
     EXPECT_NEAR(v.direction.y, kPi / 2, 5e-3);
     EXPECT_NEAR(v.direction.x, -kPi / 2, 5e-3);
@@ -62,9 +68,9 @@ TEST(Bake, MaxDistanceLetsFarThingsThrough) {
     const SurfacePoint point{{0, 0, 0}, {0, 1, 0}};
     BakeOptions near;
     near.maxDistance = 1.5;
-    EXPECT_NEAR(bakePoints(Tracer(scene), {&point, 1}, near)[0].area, 2 * kPi, 1e-5);
+    EXPECT_NEAR(visibilityAt(Tracer(scene), {&point, 1}, near)[0].area, 2 * kPi, 1e-5);
     near.maxDistance = 2.9;
-    EXPECT_LT(bakePoints(Tracer(scene), {&point, 1}, near)[0].area, 2 * kPi - 0.1);
+    EXPECT_LT(visibilityAt(Tracer(scene), {&point, 1}, near)[0].area, 2 * kPi - 0.1);
 }
 
 TEST(Bake, BothSourcesAreTheSameByConstruction) {
@@ -72,7 +78,7 @@ TEST(Bake, BothSourcesAreTheSameByConstruction) {
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
     for (const SpreadPoint& p : spreadReceivers(scene, 200, 1)) points.push_back(p.at);
-    const auto sh = bakePoints(tracer, points, {BakeModel::Sh}), rays = bakePoints(tracer, points, {BakeModel::Rays});
+    const auto sh = visibilityAt(tracer, points, {.recipe = "sh"}), rays = visibilityAt(tracer, points, {.recipe = "rays"});
     for (size_t i = 0; i < points.size(); ++i) {
         EXPECT_NEAR(sh[i].area, rays[i].area, 1e-5);
         EXPECT_LT(glm::length(sh[i].direction - rays[i].direction), 1e-5);
@@ -90,7 +96,7 @@ TEST(Bake, SameBytesForAnyNumberOfThreadsAndOtherForAnotherSeed) {
         options.threads = threads;
         options.seed = seed;
         std::vector<float> out;
-        for (const Visibility& v : bakePoints(tracer, points, options))
+        for (const Visibility& v : visibilityAt(tracer, points, options))
             out.insert(out.end(), {v.area, v.direction.x, v.direction.y, v.direction.z});
         return out;
     };
@@ -115,8 +121,8 @@ TEST(Bake, DirectionsTurnWithTheInstance) {
     turn[1] = {2, 0, 0, 0};
     turn[2] = {0, 0, 2, 0};
     const Scene plain = sceneOf(room), turned = sceneOf(room, turn);
-    const auto a = bakeVertices(plain, Tracer(plain), {BakeModel::Rays, 4096})[0];
-    const auto b = bakeVertices(turned, Tracer(turned), {BakeModel::Rays, 4096})[0];
+    const auto a = bakeVertices(plain, Tracer(plain), {.recipe = "rays", .rays = 4096})[0].visibility;
+    const auto b = bakeVertices(turned, Tracer(turned), {.recipe = "rays", .rays = 4096})[0].visibility;
     const glm::mat3 rotation = rotationPart(turn);
     for (size_t i = 4; i < a.size(); ++i) {
         EXPECT_NEAR(a[i].area, b[i].area, 0.02);
@@ -136,7 +142,7 @@ TEST(Bake, SharedSurfacesAreTracedInEveryPlace) {
     Scene flat = sceneOf(Surface{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, std::vector<glm::vec3>(4, {0, 0, 1}), {{0, 1, 2}, {0, 2, 3}}});
     flat.instances.push_back({0, there});
     const SurfacePoint on{{0.4f, 0.3f, 0}, {0, 0, 1}};
-    EXPECT_NEAR(bakePoints(Tracer(flat), {&on, 1}, {BakeModel::Sh, 4096})[0].area, 2 * kPi, 1e-3);
+    EXPECT_NEAR(visibilityAt(Tracer(flat), {&on, 1}, {.recipe = "sh", .rays = 4096})[0].area, 2 * kPi, 1e-3);
     EXPECT_FALSE(tracer.occluded({1.5f, 5, 0}, {0, -1, 0}, kNoLimit));
     const auto hit = tracer.nearest({3, 5, 0}, {0, -1, 0});
     ASSERT_TRUE(hit);
@@ -151,7 +157,7 @@ TEST(Bake, LatticeErrorAt256RaysOnTheBunny) {
     std::vector<SurfacePoint> points;
     const Surface& surface = scene.surfaces[0];
     for (size_t v = 0; v < surface.positions.size(); v += 24) points.push_back({surface.positions[v], surface.normals[v]});
-    const auto truth = bakePoints(tracer, points, {BakeModel::Rays, 16384, 99}), baked = bakePoints(tracer, points, {});
+    const auto truth = visibilityAt(tracer, points, {.recipe = "rays", .rays = 16384, .seed = 99}), baked = visibilityAt(tracer, points, {});
     double sum = 0;
     for (size_t i = 0; i < points.size(); ++i)
         sum += std::pow((unpack(pack8(baked[i])).area - truth[i].area) / (2 * kPi), 2);

@@ -13,7 +13,8 @@
 #include "bake/load.h"
 #include "bake/receivers.h"
 #include "sh/packing.h"
-#include "sh/vertex_visibility.h"
+#include "sh/aperture.h"
+#include "sh/soft.h"
 
 namespace apertura {
 namespace {
@@ -109,7 +110,7 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
 
 std::vector<Packed8> packed() {
     std::vector<Packed8> out;
-    for (const Visibility& v : bakePoints(statue().tracer, statue().points, {})) out.push_back(pack8(v));
+    for (const BakedPoint& p : bakePoints(statue().tracer, statue().points, {})) out.push_back(pack8(p.visibility));
     return out;
 }
 
@@ -123,12 +124,10 @@ void convertAll(benchmark::State& state, Convert&& convert) {
 }
 void ToAperture(benchmark::State& state) { convertAll(state, [](const Visibility& v, const vec3& n) { return toAperture(v, n); }); }
 void ToSoft(benchmark::State& state) { convertAll(state, [](const Visibility& v, const vec3& n) { return toSoft(v, n); }); }
-void ToVertex(benchmark::State& state) { convertAll(state, [](const Visibility& v, const vec3& n) { return toVertex(v, n); }); }
 
 BENCHMARK(BakeAgainstBareEmbree)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(ToAperture)->Unit(benchmark::kMillisecond);
 BENCHMARK(ToSoft)->Unit(benchmark::kMillisecond);
-BENCHMARK(ToVertex)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace apertura

@@ -127,7 +127,7 @@ TEST(Asset, KeepsContentAndGivesEachInstanceItsOwn) {
         given.emplace_back();
         for (int v = 0; v < 4; ++v) {
             const double area = random(0.5, 6);
-            given.back().push_back({vec3(random.direction() * area * 0.4), float(area)});
+            given.back().visibility.push_back({vec3(random.direction() * area * 0.4), float(area)});
         }
     }
     for (int bits : {8, 16}) {
@@ -140,11 +140,11 @@ TEST(Asset, KeepsContentAndGivesEachInstanceItsOwn) {
         const Asset back = readAsset(out);
         EXPECT_EQ(back.info.seed, 4000000000u);
         EXPECT_EQ(back.info.bits, bits);
-        ASSERT_EQ(back.visibility.size(), 2u);
+        ASSERT_EQ(back.seen.size(), 2u);
         for (int i = 0; i < 2; ++i)
             for (int v = 0; v < 4; ++v) {
-                EXPECT_NEAR(back.visibility[i][v].area, given[i][v].area, bits == 8 ? 0.03 : 1e-4);
-                EXPECT_LT(glm::length(back.visibility[i][v].direction - given[i][v].direction), bits == 8 ? 0.06 : 3e-4);
+                EXPECT_NEAR(back.seen[i].visibility[v].area, given[i].visibility[v].area, bits == 8 ? 0.03 : 1e-4);
+                EXPECT_LT(glm::length(back.seen[i].visibility[v].direction - given[i].visibility[v].direction), bits == 8 ? 0.06 : 3e-4);
             }
         const auto& model = back.scene.document->model;
         EXPECT_EQ(model.nodes[0].name, "root");
@@ -165,7 +165,7 @@ TEST(Asset, HoldsDirectionsInTheFrameOfThePrimitive) {
     const std::string nodes = R"({"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[3,3,3]})";
     const Scene scene = readGltf(folder.write("a.gltf", gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6})", nodes)));
     const float area = 2, length = area * (1 - area / float(4 * kPi));
-    const BakedVisibility given{{{vec3(0, length, 0), area}, {}, {}, {}}};
+    const BakedVisibility given{{{{vec3(0, length, 0), area}, {}, {}, {}}, {}}};
     writeAsset(folder / "out.glb", scene, given, {});
     const Scene back = readGltf(folder / "out.glb");
     const auto& model = back.document->model;
@@ -179,7 +179,7 @@ TEST(Asset, HoldsDirectionsInTheFrameOfThePrimitive) {
 TEST(Asset, TruncatedOrWithoutVisibilityIsRefused) {
     const Folder folder;
     const Scene scene = readGltf(folder.write("a.gltf", gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6})")));
-    writeAsset(folder / "out.glb", scene, {std::vector<Visibility>(4)}, {});
+    writeAsset(folder / "out.glb", scene, {{std::vector<Visibility>(4), {}}}, {});
     std::string bytes;
     {
         std::ifstream in(folder / "out.glb", std::ios::binary);
@@ -188,7 +188,7 @@ TEST(Asset, TruncatedOrWithoutVisibilityIsRefused) {
     for (size_t size : {size_t(0), size_t(3), size_t(12), size_t(19), bytes.size() / 2, bytes.size() - 1})
         EXPECT_THROW(readAsset(folder.write("cut.glb", bytes.substr(0, size))), Error) << size;
     EXPECT_THROW(readAsset(folder / "a.gltf"), Error);
-    EXPECT_THROW(writeAsset(folder / "no/where.glb", scene, {std::vector<Visibility>(4)}, {}), Error);
+    EXPECT_THROW(writeAsset(folder / "no/where.glb", scene, {{std::vector<Visibility>(4), {}}}, {}), Error);
 }
 
 TEST(Asset, RefusesWhatIsNoVisibilityOrNoBuffer) {
@@ -201,7 +201,7 @@ TEST(Asset, RefusesWhatIsNoVisibilityOrNoBuffer) {
     EXPECT_THROW(readAsset(folder.write("f.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"_VISIBILITY":1},"mode":6})"))), Error);
     // A view that nothing uses, into a buffer that is not there.
     const Scene scene = readGltf(folder.write("b.gltf", gltf(kSquare, std::string(kView) + R"(,{"buffer":100000000,"byteLength":4})", kVec3, R"({"attributes":{"POSITION":0},"mode":6})")));
-    EXPECT_THROW(writeAsset(folder / "out.glb", scene, {std::vector<Visibility>(4)}, {}), Error);
+    EXPECT_THROW(writeAsset(folder / "out.glb", scene, {{std::vector<Visibility>(4), {}}}, {}), Error);
     EXPECT_FALSE(std::filesystem::exists(folder / "out.glb"));
 }
 

@@ -39,8 +39,7 @@ inline std::vector<glm::dvec3> sphereLattice(int n) {
 }
 
 inline CapLight capLight(const glm::dvec3& axis, double radius) {
-    const double half = std::sin(radius / 2);
-    return {vec3(axis), float(std::sin(radius)), float(2 * half * half)};
+    return apertura::capLight(vec3(axis), float(std::sin(radius)));
 }
 
 inline Aperture capAperture(const glm::dvec3& axis, double radius) {

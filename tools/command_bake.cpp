@@ -31,6 +31,7 @@ void run(const Arguments& a) {
     info.bits = a.bits;
     info.seed = a.bake.seed;
     info.maxDistance = a.bake.maxDistance;
+    if (a.model == "auto") info.tolerance = a.bake.tolerance;
     BakedVisibility visibility;
     {
         ProgressBar bar("baking");
@@ -41,7 +42,7 @@ void run(const Arguments& a) {
     }
     writeAsset(a.out, scene, visibility, info);
     size_t vertices = 0;
-    for (const auto& points : visibility) vertices += points.size();
+    for (const SeenByInstance& seen : visibility) vertices += seen.visibility.size();
     std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %d bytes a vertex\n", a.out.c_str(), vertices,
                 triangleCount(scene), a.bake.rays, a.bits / 2);
 }
@@ -65,12 +66,17 @@ void addBakeCommand(CLI::App& program) {
     command.add_option("--threads", a->bake.threads, "[all cores]; the result is the same for any number")
         ->check(CLI::Range(1, 1024))
         ->type_name("T");
-    command.add_option("--model", a->model, "sh: four coefficients; rays: area and mean direction from the rays [sh]")
-        ->check(CLI::IsMember({"sh", "rays"}))
-        ->type_name("sh|rays");
+    std::string names;
+    for (const Recipe& recipe : recipes()) names += (names.empty() ? "" : ", ") + std::string(recipe.name);
+    command.add_option("--model", a->model, "what to store, of " + names + " [sh]")
+        ->check(CLI::Validator([](const std::string& name) { return findRecipe(name) ? "" : "there is no model '" + name + "'"; }, ""))
+        ->type_name("NAME");
+    command.add_option("--tolerance", a->bake.tolerance, "of the model auto: RMSE of E / (L pi sin^2 r) at light radii 5 and 15 degrees [0.05]")
+        ->check(finiteRange(1e-6, 1e6))
+        ->type_name("RMSE");
     addHeightMapOptions(command, a->map);
     command.callback([a] {
-        a->bake.model = a->model == "rays" ? BakeModel::Rays : BakeModel::Sh;
+        a->bake.recipe = findRecipe(a->model)->name;
         run(*a);
     });
 }

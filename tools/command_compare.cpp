@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -17,19 +18,26 @@ struct Arguments {
     MeasureOptions measure;
 };
 
+// 4 as 4, not as 4.0.
+nlohmann::ordered_json wholeOrReal(double x) {
+    if (x == std::floor(x)) return int(x);
+    return x;
+}
+
 nlohmann::ordered_json toJson(const Measurement& m) {
     nlohmann::ordered_json rows = nlohmann::json::array(), paths = nlohmann::json::array();
     for (const MeasureRow& r : m.rows)
         rows.push_back({{"model", r.model},
                         {"source", r.source},
-                        {"numbers", r.numbers},
-                        {"bytes", r.bytes},
+                        {"numbers", wholeOrReal(r.numbers)},
+                        {"bytes", wholeOrReal(r.bytes)},
                         {"light_radius_deg", r.lightRadius},
                         {"rmse", r.rmse},
                         {"bias", r.bias},
                         {"max", r.max},
                         {"rms_truth", r.rmsTruth},
-                        {"noise", r.noise}});
+                        {"noise", r.noise},
+                        {"ambient_rmse", r.ambient}});
     for (const PathRow& p : m.paths)
         paths.push_back({{"stage", p.stage},
                          {"source", p.source},
@@ -48,17 +56,17 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     std::printf("%s: %s\n", m.scene.c_str(),
                 m.paths.empty() ? "the whole error, interpolated from the asset's bytes" : "each model's own error, at the receivers");
     std::printf("rmse of E / (L pi sin^2 r) at %d receivers, by light radius in degrees\n", m.receivers);
-    std::printf("%-10s %-5s %7s %6s", "model", "from", "numbers", "bytes");
+    std::printf("%-10s %-5s %7s %6s %7s", "model", "from", "numbers", "bytes", "ambient");
     for (double radius : radii) std::printf(" %8g", radius);
     std::printf("\n");
     for (size_t i = 0; i < m.rows.size(); i += radii.size()) {
         const MeasureRow& first = m.rows[i];
-        std::printf("%-10s %-5s %7d %6d", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes);
+        std::printf("%-10s %-5s %7.4g %6.3g %7.4f", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes, first.ambient);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].rmse);
         std::printf("\n");
     }
     const auto footer = [&](const char* name, double MeasureRow::*field) {
-        std::printf("%-31s", name);
+        std::printf("%-39s", name);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[k].*field);
         std::printf("\n");
     };
@@ -76,9 +84,9 @@ void run(Arguments a) {
     if (!a.models.empty()) {
         a.measure.models.clear();
         for (const std::string& name : a.models) {
-            const ModelInfo* model = findModel(name);
+            const Model* model = findModel(name);
             if (!model) throw CLI::ValidationError("--models: there is no model '" + name + "'");
-            a.measure.models.push_back(*model);
+            a.measure.models.push_back(model);
         }
     }
     refuseToReplaceInput(a.scene, a.json);
@@ -109,7 +117,7 @@ void addCompareCommand(CLI::App& program) {
         "interpolated from what it stores, as the renderer does: the whole error.\n"
         "Example: apertura compare builtin:statue --models aperture,soft --light-radii 1,5");
     command.add_option("SCENE", a->scene, "a scene as for bake, or a baked asset")->required();
-    command.add_option("--models", a->models, "of ao, sh-l1, oat, aperture, soft [all]")->delimiter(',')->type_name("A,B,...");
+    command.add_option("--models", a->models, modelNames() + " [all]")->delimiter(',')->type_name("A,B,...");
     command.add_option("--light-radii", a->measure.lightRadii, "degrees [0.27,1,5,15,30]")
         ->delimiter(',')
         ->check(finiteRange(0.01, 45.0))
@@ -117,6 +125,9 @@ void addCompareCommand(CLI::App& program) {
     command.add_option("--receivers", a->measure.receivers, "points on the surface [600]")
         ->check(CLI::Range(1, 1000000))
         ->type_name("N");
+    command.add_option("--tolerance", a->measure.tolerance, "of the model auto: RMSE [0.05]")
+        ->check(finiteRange(1e-6, 1e6))
+        ->type_name("RMSE");
     command.add_option("--seed", a->measure.seed, "of the receivers and the rays [1]")->type_name("S");
     command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     command.add_option("--json", a->json, "write the table here too")->type_name("OUT");

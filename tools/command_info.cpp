@@ -14,8 +14,8 @@ nlohmann::ordered_json describe(const std::string& file) {
     const Asset asset = readAsset(file);
     size_t vertices = 0, closed = 0;
     double area = 0, cap = 0;
-    for (const auto& points : asset.visibility)
-        for (const Visibility& v : points) {
+    for (const SeenByInstance& seen : asset.seen)
+        for (const Visibility& v : seen.visibility) {
             ++vertices;
             closed += v.area <= 0;
             area += v.area / (2 * PI);

@@ -58,7 +58,7 @@ Light sun(const Arguments& a) {
 }
 
 void run(const Arguments& a) {
-    const ModelInfo* model = findModel(a.model);
+    const Model* model = findModel(a.model);
     if (!model && a.model != "reference") throw CLI::ValidationError("--model: there is no model '" + a.model + "'");
     View view;
     view.width = int(a.width);
@@ -98,7 +98,7 @@ void addRenderCommand(CLI::App& program) {
     command.footer("Example: apertura render statue.glb -o dawn.png --model soft --sun-azimuth 90 --sun-elevation 8");
     command.add_option("FILE", a->file, "a baked .glb; with --model reference any scene as for bake")->required();
     command.add_option("-o", a->out, "the picture, .png (sRGB) or .exr (linear)")->required()->type_name("PICTURE");
-    command.add_option("--model", a->model, "ao, sh-l1, oat, aperture, soft, or reference: ray traced [soft]")->type_name("NAME");
+    command.add_option("--model", a->model, modelNames() + ", or reference: ray traced [soft]")->type_name("NAME");
     command.add_option("--sun-azimuth", a->azimuth, "degrees from north (-Z) by east (+X) [135]")
         ->check(finiteRange(-360.0, 360.0))
         ->type_name("D");

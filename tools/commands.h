@@ -17,6 +17,9 @@ void addCompareCommand(CLI::App& program);
 // --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes.
 void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);
 
+// The names of all visibility models, with commas.
+std::string modelNames();
+
 // The numbers of "1,2.5,3"; none where anything else stands there.
 std::vector<double> parseNumbers(const std::string& text, char separator);
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "sh/models.h"
 #include "tools/commands.h"
 
 namespace apertura {
@@ -17,6 +18,12 @@ CLI::Validator finiteRange(double low, double high) {
             return inside ? std::string() : message.str();
         },
         "");
+}
+
+std::string modelNames() {
+    std::string out;
+    for (const Model& model : models()) out += (out.empty() ? "" : ", ") + std::string(model.name);
+    return out;
 }
 
 void refuseToReplaceInput(const std::string& in, const std::string& out) {

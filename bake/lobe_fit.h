@@ -1,0 +1,65 @@
+#pragma once
+// Products of soft lobes fitted to the visibility that rays found.
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "bake/samples.h"
+
+namespace apertura {
+
+// V(w) = the product of link(offset + dot(slope, w)), or what that leaves of 1.
+struct LobeFit {
+    glm::vec4 lobes[4]{};  // slope, offset, about +Z as the lattice
+    int count = 0;
+    bool inverse = false;
+    double error = 0;      // mean square of cos (V - samples), by patches, in units of cos2's mean
+};
+
+struct LobeFitOptions {
+    int lobes = 1;           // 1 .. 4
+    float firmness = 0;      // > 0: the length of every slope; 0: free
+    float hardened = 0;      // > firmness: the length that slopes are brought to in the end
+    float ambientWeight = 0; // of the squared error of the irradiance from an even sky
+    int steps = 40;         // of Levenberg and Marquardt, at most
+    int starts = 6;         // of the hard-edged arrangements tried first
+};
+
+// Caps of many axes and heights as masks over a lattice: where fits start from.
+class CapDictionary {
+public:
+    CapDictionary(const SampleLattice& lattice, int axes, int heights);
+
+    struct Cap {
+        glm::vec3 axis;
+        float cosine;
+    };
+    size_t size() const { return caps_.size(); }
+    const Cap& cap(size_t i) const { return caps_[i]; }
+    // Arrangements of `count` caps whose intersection is nearest to `bits`, best first, as indices.
+    std::vector<std::vector<int>> nearest(const std::vector<uint64_t>& bits, int count, int wanted) const;
+
+private:
+    std::vector<Cap> caps_;
+    std::vector<uint64_t> masks_;  // words_ a cap
+    std::vector<float> wordWeight_;
+    size_t words_;
+};
+
+// Minimises that error. Deterministic.
+LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, bool inverse, const LobeFitOptions& options);
+
+// The better of the product and its inverse.
+LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, const LobeFitOptions& options);
+
+// One lobe, improved from `start`.
+LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options);
+
+// link(offset + dot(slope, w) + w Q w), from `start`; `bend` as SoftQuadric's.
+struct QuadricFit {
+    glm::vec4 lobe;
+    float bend[5];
+    double error;
+};
+QuadricFit fitQuadric(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options);
+
+}  // namespace apertura

@@ -1,0 +1,26 @@
+#pragma once
+// What an asset stores beside _VISIBILITY: the forms of one primitive's vertices as bytes, without gaps.
+//   a model of fixed size   its numbers, vertex after vertex
+//   auto                    a byte a vertex, the place of its choice in `choices`; then the numbers that each
+//                           choice has, vertex after vertex
+// A number is a normalised signed byte or short (little-endian), as in _VISIBILITY.
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sh/models.h"
+
+namespace apertura {
+
+// The models that `auto` chooses among, from the least to the largest; of these the first three store nothing.
+std::span<const int> autoChoices();
+
+// Bytes of the forms, turned by `toLocal` into the frame of the primitive's vertices.
+std::vector<std::byte> packForms(const Model& model, std::span<const Form> forms, const mat3& toLocal, int bits);
+
+// `count` forms, turned by `toWorld`. Throws Error with the cause (the caller names the file) where the bytes
+// are too few, too many, or name a choice that is none.
+std::vector<Form> unpackForms(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld, int bits);
+
+}  // namespace apertura

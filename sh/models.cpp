@@ -1,0 +1,94 @@
+#include "sh/models.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sh/aperture.h"
+#include "sh/soft.h"
+
+namespace apertura {
+namespace {
+
+Form nothing(const Visibility&, const vec3&) { return {}; }
+
+vec4 slotOf(const Aperture& a) { return vec4(a.axis, a.height); }
+
+Form oneCap(const Visibility& v, const vec3& normal) { return {slotOf(toAperture(v, normal))}; }
+
+// The cap of uniform opacity with all four numbers: its height from |D| / A, which is 1 - height / 2.
+Form alphaCap(const Visibility& v, const vec3& normal) {
+    Aperture a = toAperture(v, normal);
+    const float share = v.area > 0 ? length(v.direction) / v.area : 1;
+    const float area = a.height;
+    a.height = std::clamp(2 - 2 * share, area, 2.0f);
+    return {slotOf(a), vec4(a.height > 0 ? area / a.height : 0, 0, 0, 0)};
+}
+
+// The cap and the anti-cap of the blocked part, weighed by which of the two is nearer to being a cap.
+Form capAndAnti(const Visibility& v, const vec3& normal) {
+    const Visibility blocked{PI * normal - v.direction, 2 * PI - v.area};
+    auto deficit = [](const Visibility& x) {
+        return std::max(x.area * (1 - x.area / (4 * PI)) - length(x.direction), 0.0f);
+    };
+    const float open = deficit(v), closed = deficit(blocked);
+    const float sum = open + closed;
+    return {slotOf(toAperture(v, normal)), slotOf(toAperture(blocked, normal)), vec4(sum > 1e-6f ? open / sum : 0, 0, 0, 0)};
+}
+
+Form oneLobe(const Visibility& v, const vec3& normal) {
+    const SoftAperture s = toSoft(v, normal);
+    return {vec4(s.slope, s.offset)};
+}
+
+using enum Field;
+constexpr Model kModels[] = {
+    {MODEL_UNSHADOWED, "unshadowed", 0, 0, true, "N.L, no visibility: the baseline of cost", nothing, {}, 0, -1},
+    {MODEL_AO, "ao", 1, 0, true, "visible area alone", nothing, {}, 0, -1},
+    {MODEL_SH_L1, "sh-l1", 4, 0, true, "SH bands 0 and 1 of visibility, evaluated at the light", nothing, {}, 0, -1},
+    {MODEL_SH_L2, "sh-l2", 9, 2, true, "SH bands 0 to 2", nullptr, {Bands2}, 1, -1},
+    {MODEL_SH_L4, "sh-l4", 25, 6, true, "SH bands 0 to 4", nullptr, {Bands4}, 1, -1},
+    {MODEL_OAT, "oat", 3, 1, true, "aperture, formula as published in 2006", oneCap, {}, 0, -1},
+    {MODEL_APERTURE, "aperture", 3, 1, true, "aperture, exact overlap of caps within 0.003", oneCap, {}, 0, -1},
+    {MODEL_ALPHA, "alpha", 4, 2, true, "translucent aperture with all four numbers", alphaCap, {}, 0, -1},
+    {MODEL_ANTI, "anti", 4, 3, true, "aperture, anti-aperture or a blend of both", capAndAnti, {Cap}, 1, 2},
+    {MODEL_SOFT, "soft", 4, 1, true, "soft-edged aperture, uses all four numbers", oneLobe, {}, 0, -1},
+    {MODEL_FIRM_2, "firm-2", 6, 3, false, "two hard-edged lobes", nullptr, {FirmLobe, FirmLobe}, 2, 2},
+    {MODEL_SOFT_2, "soft-2", 8, 3, false, "two soft lobes", nullptr, {Lobe, Lobe}, 2, 2},
+    {MODEL_SOFT_L2, "soft-l2", 9, 3, true, "soft aperture with a quadratic exponent", nullptr, {Lobe, Bend}, 2, -1},
+    {MODEL_FIRM_3, "firm-3", 9, 4, false, "three hard-edged lobes", nullptr, {FirmLobe, FirmLobe, FirmLobe}, 3, 3},
+    {MODEL_FIRM_4, "firm-4", 12, 5, false, "four hard-edged lobes", nullptr, {FirmLobe, FirmLobe, FirmLobe, FirmLobe}, 4, 4},
+    {MODEL_MULTI_2, "multi-2", 6, 2, false, "two apertures", nullptr, {Cap, Cap}, 2, -1},
+    {MODEL_MULTI_3, "multi-3", 9, 3, false, "three apertures", nullptr, {Cap, Cap, Cap}, 3, -1},
+    {MODEL_MULTI_4, "multi-4", 12, 4, false, "four apertures", nullptr, {Cap, Cap, Cap, Cap}, 4, -1},
+    {MODEL_CAP_ANTI, "cap-anti", 6, 3, false, "two of aperture and anti-aperture", nullptr, {Cap, Cap}, 2, 2},
+    {MODEL_HORIZON, "horizon", 16, 4, true, "horizon at 16 azimuths: the rival", nullptr, {Heights}, 1, -1},
+    {MODEL_AUTO, "auto", 0, 5, false, "the least model, chosen for each point", nullptr, {}, 0, -1},
+};
+static_assert(std::size(kModels) == MODEL_COUNT);
+static_assert([] {
+    for (int i = 0; i < MODEL_COUNT; ++i)
+        if (kModels[i].id != i || kModels[i].slots > MAX_SLOTS) return false;
+    return true;
+}());
+
+}  // namespace
+
+std::span<const Model> models() { return kModels; }
+
+const Model* findModel(std::string_view name) {
+    for (const Model& model : kModels)
+        if (model.name == name) return &model;
+    return nullptr;
+}
+
+Form toForm(const Model& model, const Visibility& visibility, const Form* stored, const vec3& normal) {
+    if (!stored) return model.fromVisibility ? model.fromVisibility(visibility, normal) : Form{};
+    if (model.id == MODEL_ANTI) return {(*stored)[0], (*stored)[0], (*stored)[2]};
+    const Model& chosen = kModels[chosenModel(model.id, *stored)];
+    if (!chosen.fromVisibility) return *stored;
+    Form out = chosen.fromVisibility(visibility, normal);
+    out[4] = (*stored)[4];
+    return out;
+}
+
+}  // namespace apertura
