@@ -79,7 +79,7 @@ void samplePoints(const Tracer& tracer, std::span<const SurfacePoint> points, co
 
     const float distance = options.maxDistance > 0 ? float(options.maxDistance) : kNoLimit;
     Watch watch(progress, points.size());
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size(), 64), [&](const tbb::blocked_range<size_t>& range) {
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size(), 8), [&](const tbb::blocked_range<size_t>& range) {
         std::vector<glm::vec3> directions(lattice.directions().size());
         std::vector<uint8_t> blocked(directions.size());
         for (size_t i = range.begin(); i < range.end() && !watch.stopped(); ++i) {

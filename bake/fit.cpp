@@ -85,7 +85,7 @@ vec4 toCap(const vec4& lobe, bool complement) {
 
 // The better of one cap and one anti-cap.
 BakedPoint fittedAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, false, firmly(1, kCapFirmness));
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Product, firmly(1, kCapFirmness));
     const vec4 cap = toCap(fit.lobes[0], false);
     const bool anti = cap.w > 1;
     const vec4 own = anti ? vec4(-vec3(cap), 2 - cap.w) : cap;
@@ -94,20 +94,20 @@ BakedPoint fittedAnti(const FitTools& tools, const Samples& samples, const mat3&
 
 template <int K>
 BakedPoint caps(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, true, firmly(K, kCapFirmness));
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Inverse, firmly(K, kCapFirmness));
     BakedPoint out{project(samples), {}};
     for (int k = 0; k < K; ++k) out.form[k] = toCap(fit.lobes[k], true);
     return out;
 }
 
 BakedPoint capAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, firmly(2, kCapFirmness));
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, firmly(2, kCapFirmness));
     return {project(samples), {toCap(fit.lobes[0], false), toCap(fit.lobes[1], false), vec4(fit.inverse, 0, 0, 0)}};
 }
 
 template <int K, bool Firm>
 BakedPoint lobes(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, firmly(K, Firm ? kFirmness : 0));
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, firmly(K, Firm ? kFirmness : 0));
     BakedPoint out{project(samples), {}};
     for (int k = 0; k < K; ++k) out.form[k] = fit.lobes[k];
     out.form[K].x = fit.inverse ? 1 : 0;

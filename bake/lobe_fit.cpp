@@ -295,39 +295,42 @@ Arrangement leaveOutClusters(const Samples& samples, bool inverse, int count) {
 }
 
 template <int K>
-LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, bool inverse, const LobeFitOptions& options) {
+LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
     using F = Fitter<K, 4>;
-    const F fitter{*samples.lattice, samples.open.data(), inverse, options};
-    std::vector<uint64_t> bits = samples.bits;
-    if (inverse)
-        for (uint64_t& word : bits) word = ~word;
     // A few steps from each start; the best goes on to the end.
     const float firmness = options.firmness > 0 ? options.firmness : 6;
     typename F::Parameters best{};
     double least = 1e30;
-    std::vector<Arrangement> starts{leaveOutClusters(samples, inverse, K)};
-    for (const std::vector<int>& found : dictionary.nearest(bits, K, options.starts)) {
-        Arrangement& caps = starts.emplace_back();
-        for (int c : found) caps.push_back(dictionary.cap(size_t(c)));
-    }
-    for (const Arrangement& start : starts) {
-        typename F::Parameters p;
-        for (int k = 0; k < K; ++k) {
-            const CapDictionary::Cap& cap = start[size_t(k)];
-            p[k * 4] = -firmness * cap.cosine;
-            for (int c = 0; c < 3; ++c) p[k * 4 + 1 + c] = firmness * cap.axis[c];
+    bool inverse = false;
+    for (const bool side : {false, true}) {
+        if (sides != LobeFitSides::Both && side != (sides == LobeFitSides::Inverse)) continue;
+        std::vector<uint64_t> bits = samples.bits;
+        if (side)
+            for (uint64_t& word : bits) word = ~word;
+        std::vector<Arrangement> starts{leaveOutClusters(samples, side, K)};
+        for (const std::vector<int>& found : dictionary.nearest(bits, K, options.starts)) {
+            Arrangement& caps = starts.emplace_back();
+            for (int c : found) caps.push_back(dictionary.cap(size_t(c)));
         }
-        const double cost = fitter.descend(p, std::min(4, options.steps)).cost;
-        if (cost < least) least = cost, best = p;
+        const F fitter{*samples.lattice, samples.open.data(), side, options};
+        for (const Arrangement& start : starts) {
+            typename F::Parameters p;
+            for (int k = 0; k < K; ++k) {
+                const CapDictionary::Cap& cap = start[size_t(k)];
+                p[k * 4] = -firmness * cap.cosine;
+                for (int c = 0; c < 3; ++c) p[k * 4 + 1 + c] = firmness * cap.axis[c];
+            }
+            const double cost = fitter.descend(p, std::min(options.firstSteps, options.steps)).cost;
+            if (cost < least) least = cost, best = p, inverse = side;
+        }
     }
     LobeFit out;
+    const F fitter{*samples.lattice, samples.open.data(), inverse, options};
     out.error = fitter.run(best, options.steps).error;
     if (options.firmness > 0 && options.hardened > options.firmness) {
         LobeFitOptions harder = options;
-        for (const float firm : {std::sqrt(options.firmness * options.hardened), options.hardened}) {
-            harder.firmness = firm;
-            out.error = F{*samples.lattice, samples.open.data(), inverse, harder}.run(best, options.steps).error;
-        }
+        harder.firmness = options.hardened;
+        out.error = F{*samples.lattice, samples.open.data(), inverse, harder}.run(best, options.steps).error;
     }
     out.count = K;
     out.inverse = inverse;
@@ -361,62 +364,97 @@ CapDictionary::CapDictionary(const SampleLattice& lattice, int axes, int heights
     }
 }
 
+namespace {
+
+// Of `count` masks, each with `under`: the weighted samples of `bits` that it leaves out, and those that it
+// holds too many, the latter times `mendable`.
+void mismatches(const uint64_t* masks, size_t count, size_t words, const uint64_t* under, const uint64_t* bits, const float* weights,
+                float mendable, float* out) {
+    for (size_t c = 0; c < count; ++c) {
+        float cost = 0;
+        for (size_t w = 0; w < words; ++w) {
+            const uint64_t mask = under[w] & masks[c * words + w];
+            cost += weights[w] * (float(std::popcount(bits[w] & ~mask)) + mendable * float(std::popcount(mask & ~bits[w])));
+        }
+        out[c] = cost;
+    }
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+// The same result by an instruction that the oldest of these processors lack.
+[[gnu::target("popcnt")]] void mismatchesFast(const uint64_t* masks, size_t count, size_t words, const uint64_t* under, const uint64_t* bits,
+                                              const float* weights, float mendable, float* out) {
+    for (size_t c = 0; c < count; ++c) {
+        float cost = 0;
+        for (size_t w = 0; w < words; ++w) {
+            const uint64_t mask = under[w] & masks[c * words + w];
+            cost += weights[w] * (float(__builtin_popcountll(bits[w] & ~mask)) + mendable * float(__builtin_popcountll(mask & ~bits[w])));
+        }
+        out[c] = cost;
+    }
+}
+#endif
+
+}  // namespace
+
 std::vector<std::vector<int>> CapDictionary::nearest(const std::vector<uint64_t>& bits, int count, int wanted) const {
     struct Start {
         float cost;
         std::vector<int> caps;
         std::vector<uint64_t> mask;
     };
+    std::vector<std::vector<int>> out;
+    if (wanted <= 0) return out;
     // Beams of partial arrangements. A first cap that leaves open what is blocked can be mended by those
     // after it, one that blocks what is open cannot: `mendable` is the share of the former that counts.
     std::vector<Start> beam{{0, {}, std::vector<uint64_t>(words_, ~uint64_t(0))}};
+    std::vector<float> costs(caps_.size());
     for (int k = 0; k < count; ++k) {
-        std::vector<Start> next;
-        for (const float mendable : {1.0f, 0.4f}) {
-            if (k == count - 1 && mendable < 1) break;
-            std::vector<Start> grown;
-            for (const Start& start : beam)
-                for (size_t c = 0; c < caps_.size(); ++c) {
-                    float cost = 0;
-                    for (size_t w = 0; w < words_; ++w) {
-                        const uint64_t mask = start.mask[w] & masks_[c * words_ + w];
-                        cost += wordWeight_[w] * (float(std::popcount(bits[w] & ~mask)) + mendable * float(std::popcount(mask & ~bits[w])));
-                    }
-                    const size_t keep = size_t(wanted);
-                    if (grown.size() == keep && cost >= grown.back().cost) continue;
-                    Start more{cost, start.caps, {}};
-                    more.caps.push_back(int(c));
-                    const auto at = std::upper_bound(grown.begin(), grown.end(), cost, [](float x, const Start& s) { return x < s.cost; });
-                    grown.insert(at, std::move(more));
-                    if (grown.size() > keep) grown.pop_back();
-                }
-            for (Start& s : grown) next.push_back(std::move(s));
+        const float mendable = k == count - 1 ? 1.0f : 0.4f;
+        struct Grown {
+            float cost;
+            size_t from, cap;
+        };
+        std::vector<Grown> grown;
+        for (size_t from = 0; from < beam.size(); ++from) {
+            countMismatches(beam[from].mask.data(), bits.data(), mendable, costs.data());
+            for (size_t c = 0; c < caps_.size(); ++c) {
+                if (grown.size() == size_t(wanted) && costs[c] >= grown.back().cost) continue;
+                const auto at = std::upper_bound(grown.begin(), grown.end(), costs[c], [](float x, const Grown& g) { return x < g.cost; });
+                grown.insert(at, {costs[c], from, c});
+                if (grown.size() > size_t(wanted)) grown.pop_back();
+            }
         }
-        for (Start& s : next) {
-            s.mask.assign(words_, ~uint64_t(0));
-            for (int c : s.caps)
-                for (size_t w = 0; w < words_; ++w) s.mask[w] &= masks_[size_t(c) * words_ + w];
+        std::vector<Start> next;
+        for (const Grown& g : grown) {
+            Start s{g.cost, beam[g.from].caps, beam[g.from].mask};
+            s.caps.push_back(int(g.cap));
+            for (size_t w = 0; w < words_; ++w) s.mask[w] &= masks_[g.cap * words_ + w];
+            next.push_back(std::move(s));
         }
         beam = std::move(next);
     }
-    std::vector<std::vector<int>> out;
     for (const Start& s : beam) out.push_back(s.caps);
     return out;
 }
 
-LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, bool inverse, const LobeFitOptions& options) {
-    switch (options.lobes) {
-        case 1: return fitCount<1>(samples, dictionary, inverse, options);
-        case 2: return fitCount<2>(samples, dictionary, inverse, options);
-        case 3: return fitCount<3>(samples, dictionary, inverse, options);
-        default: return fitCount<4>(samples, dictionary, inverse, options);
+void CapDictionary::countMismatches(const uint64_t* under, const uint64_t* bits, float mendable, float* out) const {
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("popcnt")) {
+        mismatchesFast(masks_.data(), caps_.size(), words_, under, bits, wordWeight_.data(), mendable, out);
+        return;
     }
+#endif
+    mismatches(masks_.data(), caps_.size(), words_, under, bits, wordWeight_.data(), mendable, out);
 }
 
-LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, const LobeFitOptions& options) {
-    const LobeFit one = fitLobes(samples, dictionary, false, options);
-    const LobeFit other = fitLobes(samples, dictionary, true, options);
-    return other.error < one.error ? other : one;
+LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
+    switch (options.lobes) {
+        case 1: return fitCount<1>(samples, dictionary, sides, options);
+        case 2: return fitCount<2>(samples, dictionary, sides, options);
+        case 3: return fitCount<3>(samples, dictionary, sides, options);
+        default: return fitCount<4>(samples, dictionary, sides, options);
+    }
 }
 
 LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options) {

@@ -21,6 +21,7 @@ struct LobeFitOptions {
     float hardened = 0;      // > firmness: the length that slopes are brought to in the end
     float ambientWeight = 0; // of the squared error of the irradiance from an even sky
     int steps = 40;         // of Levenberg and Marquardt, at most
+    int firstSteps = 3;      // of them from each start; the best start goes on
     int starts = 6;         // of the hard-edged arrangements tried first
 };
 
@@ -39,17 +40,19 @@ public:
     std::vector<std::vector<int>> nearest(const std::vector<uint64_t>& bits, int count, int wanted) const;
 
 private:
+    void countMismatches(const uint64_t* under, const uint64_t* bits, float mendable, float* out) const;
+
     std::vector<Cap> caps_;
     std::vector<uint64_t> masks_;  // words_ a cap
     std::vector<float> wordWeight_;
     size_t words_;
 };
 
-// Minimises that error. Deterministic.
-LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, bool inverse, const LobeFitOptions& options);
+// Whether the product itself is fitted, what it leaves, or the better of the two.
+enum class LobeFitSides { Product, Inverse, Both };
 
-// The better of the product and its inverse.
-LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, const LobeFitOptions& options);
+// Minimises that error. Deterministic.
+LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options);
 
 // One lobe, improved from `start`.
 LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options);

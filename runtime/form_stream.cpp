@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kChoices[] = {MODEL_AO, MODEL_APERTURE, MODEL_SOFT, MODEL_FIRM_2, MODEL_SOFT_2, MODEL_FIRM_3, MODEL_SOFT_L2, MODEL_FIRM_4};
 constexpr size_t kMostNumbers = 32;
+constexpr std::byte kUnreached{0x80};
 
 void putNumber(std::vector<std::byte>& out, float x, int bits) {
     const int top = (1 << (bits - 1)) - 1;
@@ -34,7 +35,8 @@ std::vector<std::byte> packForms(const Model& model, std::span<const Form> forms
     std::vector<std::byte> out;
     if (model.id == MODEL_AUTO)
         for (const Form& form : forms)
-            out.push_back(std::byte(std::find(std::begin(kChoices), std::end(kChoices), chosenModel(MODEL_AUTO, form)) - std::begin(kChoices)));
+            out.push_back(std::byte(std::find(std::begin(kChoices), std::end(kChoices), chosenModel(MODEL_AUTO, form)) - std::begin(kChoices))
+                          | (form[4].z > 0.5f ? kUnreached : std::byte(0)));
     float numbers[kMostNumbers];
     for (const Form& form : forms) {
         const Model& own = models()[size_t(chosenModel(model.id, form))];
@@ -57,15 +59,16 @@ std::vector<Form> unpackForms(const Model& model, std::span<const unsigned char>
     for (size_t i = 0; i < count; ++i) {
         int id = model.id;
         if (model.id == MODEL_AUTO) {
-            if (tags[i] >= std::size(kChoices)) throw Error("a vertex's choice is not a model");
-            id = kChoices[tags[i]];
+            const size_t choice = tags[i] & 0x7F;
+            if (choice >= std::size(kChoices)) throw Error("a vertex's choice is not a model");
+            id = kChoices[choice];
         }
         const Model& own = models()[size_t(id)];
         const size_t n = size_t(storedNumbers(own));
         if (bytes.size() < n * size_t(bits / 8)) throw Error("the models' numbers end too soon");
         for (size_t k = 0; k < n; ++k) numbers[k] = takeNumber(bytes, bits);
         if (n) out[i] = rotateForm(own, unpackForm(own, std::span(numbers, n)), toWorld);
-        if (model.id == MODEL_AUTO) out[i][4].y = float(id);
+        if (model.id == MODEL_AUTO) out[i][4].y = float(id), out[i][4].z = tags[i] & 0x80 ? 1 : 0;
     }
     if (!bytes.empty()) throw Error("there are more of the models' numbers than vertices");
     return out;

@@ -1,8 +1,8 @@
 #pragma once
 // What an asset stores beside _VISIBILITY: the forms of one primitive's vertices as bytes, without gaps.
 //   a model of fixed size   its numbers, vertex after vertex
-//   auto                    a byte a vertex, the place of its choice in `choices`; then the numbers that each
-//                           choice has, vertex after vertex
+//   auto                    a byte a vertex, the place of its choice in autoChoices, and 128 more where no model
+//                           came within the tolerance; then the numbers that each choice has, vertex after vertex
 // A number is a normalised signed byte or short (little-endian), as in _VISIBILITY.
 #include <cstddef>
 #include <span>

@@ -43,8 +43,8 @@ void run(const Arguments& a) {
     writeAsset(a.out, scene, visibility, info);
     size_t vertices = 0;
     for (const SeenByInstance& seen : visibility) vertices += seen.visibility.size();
-    std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %d bytes a vertex\n", a.out.c_str(), vertices,
-                triangleCount(scene), a.bake.rays, a.bits / 2);
+    std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices,
+                triangleCount(scene), a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
 }
 
 }  // namespace

@@ -3,12 +3,38 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/asset.h"
+#include "runtime/form_stream.h"
 #include "sh/packing.h"
 #include "sh/shading.h"
 #include "tools/commands.h"
 
 namespace apertura {
 namespace {
+
+// What `auto` chose: the share of the vertices that each model has, and of those where none reached the
+// tolerance.
+nlohmann::ordered_json describeChoices(const Asset& asset) {
+    std::vector<size_t> counts(models().size());
+    size_t vertices = 0, unreached = 0;
+    for (const SeenByInstance& seen : asset.seen)
+        for (const Form& form : seen.forms) {
+            ++vertices;
+            ++counts[size_t(chosenModel(MODEL_AUTO, form))];
+            unreached += form[4].z > 0.5f;
+        }
+    nlohmann::ordered_json shares = nlohmann::json::object();
+    double numbers = 0;
+    for (int id : autoChoices()) {
+        const Model& model = models()[size_t(id)];
+        const double share = double(counts[size_t(id)]) / double(std::max<size_t>(vertices, 1));
+        shares[std::string(model.name)] = share;
+        numbers += share * model.numbers;
+    }
+    return {{"tolerance", asset.info.tolerance},
+            {"numbers_per_vertex", numbers},
+            {"shares", shares},
+            {"unreached", double(unreached) / double(std::max<size_t>(vertices, 1))}};
+}
 
 nlohmann::ordered_json describe(const std::string& file) {
     const Asset asset = readAsset(file);
@@ -22,7 +48,7 @@ nlohmann::ordered_json describe(const std::string& file) {
             cap += capness(v);
         }
     const PackingError error = packingError(asset.info.bits);
-    return {{"file", file},
+    nlohmann::ordered_json out{{"file", file},
             {"version", asset.info.version},
             {"model", asset.info.model},
             {"rays", asset.info.rays},
@@ -33,7 +59,7 @@ nlohmann::ordered_json describe(const std::string& file) {
             {"vertices", vertices},
             {"triangles", triangleCount(asset.scene)},
             {"bits", asset.info.bits},
-            {"bytes_per_vertex", asset.info.bits / 2},
+            {"bytes_per_vertex", bytesAPoint(asset)},
             {"mean_open", area / double(vertices)},
             {"mean_capness", cap / double(vertices)},
             {"closed_vertices", closed},
@@ -41,6 +67,8 @@ nlohmann::ordered_json describe(const std::string& file) {
              {{"area_of_hemisphere", error.area},
               {"direction", error.direction},
               {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / PI}}}};
+    if (asset.info.model == "auto") out["auto"] = describeChoices(asset);
+    return out;
 }
 
 void print(const nlohmann::ordered_json& d) {
@@ -51,7 +79,18 @@ void print(const nlohmann::ordered_json& d) {
     if (d["max_distance"].get<double>() > 0) std::printf("  max distance  %g m\n", d["max_distance"].get<double>());
     std::printf("  geometry      %zu vertices, %zu triangles, %zu instances\n", d["vertices"].get<size_t>(),
                 d["triangles"].get<size_t>(), d["instances"].get<size_t>());
-    std::printf("  stored        %d bytes a vertex, %d bits a component\n", d["bytes_per_vertex"].get<int>(), d["bits"].get<int>());
+    std::printf("  stored        %.3g bytes a vertex, %d bits a number\n", d["bytes_per_vertex"].get<double>(), d["bits"].get<int>());
+    if (d.contains("auto")) {
+        const auto& a = d["auto"];
+        std::printf("  auto          tolerance %g, %.2f numbers a vertex:", a["tolerance"].get<double>(), a["numbers_per_vertex"].get<double>());
+        for (const auto& [name, share] : a["shares"].items())
+            if (share.get<double>() > 0) std::printf(" %s %.1f %%", name.c_str(), 100 * share.get<double>());
+        std::printf("\n");
+        if (a["unreached"].get<double>() > 0)
+            std::printf("                no model reached the tolerance at %.1f %% of the vertices\n", 100 * a["unreached"].get<double>());
+        else
+            std::printf("                the tolerance is within reach at every vertex\n");
+    }
     std::printf("  visibility    %.3f of the hemisphere open on average, capness %.3f, %zu vertices closed\n",
                 d["mean_open"].get<double>(), d["mean_capness"].get<double>(), d["closed_vertices"].get<size_t>());
     const auto& e = d["error_bounds"];

@@ -13,6 +13,7 @@ void addBakeCommand(CLI::App& program);
 void addInfoCommand(CLI::App& program);
 void addRenderCommand(CLI::App& program);
 void addCompareCommand(CLI::App& program);
+void addChartCommand(CLI::App& program);
 
 // --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes.
 void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);

@@ -1,0 +1,302 @@
+#!/usr/bin/env python3
+"""The charts and the page of `apertura chart`, from the models.csv and maps.csv that it left in a folder.
+
+charts.py DIR
+"""
+import base64
+import csv
+import datetime
+import html
+import json
+import pathlib
+import sys
+
+try:
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+except ImportError:
+    sys.exit("apertura: matplotlib is missing (Debian: python3-matplotlib); models.csv is there, the charts are not")
+
+RADIUS = 5.0        # degrees, of the light that the charts are drawn for, where it was measured
+BASELINES = {"unshadowed"}
+matplotlib.rcParams["svg.hashsalt"] = "apertura"  # the same bytes from the same table
+plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.25, "figure.constrained_layout.use": True})
+
+
+def read(path):
+    rows = list(csv.DictReader(open(path, newline="")))
+    for row in rows:
+        for key, value in row.items():
+            if key not in ("scene", "model", "source"):
+                row[key] = float(value) if value else None
+    return rows
+
+
+def name(row):
+    return row["model"] if row["source"] == "sh" or row["model"] not in ("soft", "anti") else row["model"] + " (fit)"
+
+
+def mean(values):
+    values = list(values)
+    return None if not values or any(v is None for v in values) else sum(values) / len(values)
+
+
+def means(rows, radius):
+    """One entry a model: the mean over the scenes of all its columns, for lights of one radius."""
+    out = {}
+    for row in rows:
+        if row["light_radius_deg"] == radius:
+            out.setdefault(name(row), []).append(row)
+    return {model: {key: mean(r[key] for r in found) for key in found[0] if key not in ("scene", "model", "source")}
+            for model, found in out.items()}
+
+
+def front(points):
+    """The points that no other is both cheaper and better than, by cost."""
+    out, best = [], float("inf")
+    for cost, error, label in sorted(points):
+        if error < best:
+            out.append((cost, error, label))
+            best = error
+    return out
+
+
+def scatter(axes, table, column, label, log=False):
+    points = [(row[column], row["rmse"], model) for model, row in table.items()
+              if row[column] is not None and model not in BASELINES]
+    if not points:
+        axes.text(0.5, 0.5, "not measured on this machine", ha="center", transform=axes.transAxes)
+        return []
+    best = front(points)
+    axes.step([p[0] for p in best], [p[1] for p in best], where="post", color="tab:red", lw=1, zorder=1)
+    chosen = {p[2] for p in best}
+    for cost, error, model in points:
+        axes.plot(cost, error, "o", ms=5, color="tab:red" if model in chosen else "tab:gray", zorder=2)
+        axes.annotate(model, (cost, error), xytext=(4, 3), textcoords="offset points", fontsize=7,
+                      color="black" if model in chosen else "dimgray")
+    noise = mean(row["noise"] for row in table.values())
+    axes.axhspan(0, noise, color="tab:blue", alpha=0.2, lw=0)
+    axes.set(xlabel=label, ylabel="RMSE of E / (L π sin²r)", ylim=(0, None))
+    if log:
+        axes.set_xscale("log")
+    return best
+
+
+def save(figure, folder, stem):
+    for kind in ("png", "svg"):
+        figure.savefig(folder / f"{stem}.{kind}", dpi=130, metadata={"Date": None} if kind == "svg" else None)
+    plt.close(figure)
+
+
+def cost_charts(rows, radius, folder):
+    table = means(rows, radius)
+    costs = [("cycles_navi21", "cycles above N·L, RDNA2 (navi21)", False), ("cycles_polaris10", "cycles above N·L, GCN4 (polaris10)", False),
+             ("bytes", "bytes a vertex, one a number", False), ("time_ratio", "time on this machine's device / N·L", False),
+             ("bake_ratio", "bake time / four SH coefficients, 256 rays", True)]
+    fronts = {}
+    for column, label, log in costs:
+        figure, axes = plt.subplots(figsize=(7.5, 4.6))
+        fronts[column] = scatter(axes, table, column, label, log)
+        axes.set_title(f"Error against cost, light radius {radius:g}°, mean over the scenes "
+                       "(red: nothing is both cheaper and better; blue: the truth's own noise)", fontsize=8)
+        save(figure, folder, "error-" + column.replace("_", "-"))
+    return table, fronts
+
+
+def scene_chart(rows, radius, folder):
+    models = list(dict.fromkeys(name(r) for r in rows))
+    scenes = list(dict.fromkeys(r["scene"] for r in rows))
+    value = {(name(r), r["scene"]): r["rmse"] for r in rows if r["light_radius_deg"] == radius}
+    figure, axes = plt.subplots(figsize=(1.6 + 0.85 * len(scenes), 1.2 + 0.26 * len(models)))
+    grid = [[value.get((m, s), float("nan")) for s in scenes] for m in models]
+    axes.imshow(grid, cmap="YlOrRd", vmin=0, vmax=0.25, aspect="auto")
+    axes.set_xticks(range(len(scenes)), [s.removeprefix("builtin:") for s in scenes], rotation=35, ha="right")
+    axes.set_yticks(range(len(models)), models)
+    axes.grid(False)
+    for y, line in enumerate(grid):
+        for x, v in enumerate(line):
+            axes.text(x, y, f"{v:.3f}", ha="center", va="center", fontsize=7, color="white" if v > 0.17 else "black")
+    axes.set_title(f"RMSE by scene, light radius {radius:g}°", fontsize=9)
+    save(figure, folder, "scenes")
+
+
+def radius_chart(rows, folder):
+    radii = sorted({r["light_radius_deg"] for r in rows})
+    figure, axes = plt.subplots(figsize=(7.5, 4.6))
+    tables = [means(rows, radius) for radius in radii]
+    for model in tables[0]:
+        if model in BASELINES:
+            continue
+        line, = axes.plot(radii, [t[model]["rmse"] for t in tables], "-o", ms=3, lw=1)
+        axes.annotate(model, (radii[-1], tables[-1][model]["rmse"]), xytext=(4, -2), textcoords="offset points", fontsize=6,
+                      color=line.get_color())
+    axes.plot(radii, [mean(row["noise"] for row in t.values()) for t in tables], "k:", lw=1, label="the truth's own noise")
+    axes.set(xlabel="light radius, degrees", ylabel="RMSE of E / (L π sin²r)", xscale="log", ylim=(0, None))
+    axes.legend(fontsize=7)
+    axes.set_title("Error by the size of the light, mean over the scenes", fontsize=9)
+    save(figure, folder, "error-by-radius")
+
+
+def map_chart(maps, folder):
+    groups = {}
+    for row in maps:
+        groups.setdefault((name(row), row["scene"]), []).append(row)
+    groups = {key: found for key, found in groups.items() if key[0] not in BASELINES}
+    if not groups:
+        return False
+    columns = 4
+    lines = (len(groups) + columns - 1) // columns
+    figure, grid = plt.subplots(lines, columns, figsize=(11, 2.5 * lines), squeeze=False)
+    for axes in grid.flat:
+        axes.axis("off")
+    for axes, ((model, scene), found) in zip(grid.flat, groups.items()):
+        axes.axis("on")
+        # Seen along the direction in which the receivers spread least.
+        spread = {k: max(r[k] for r in found) - min(r[k] for r in found) for k in "xyz"}
+        across, up = [k for k in "xyz" if k != min(spread, key=spread.get)]
+        shown = axes.scatter([r[across] for r in found], [r[up] for r in found], c=[r["rmse"] for r in found], s=6,
+                             cmap="inferno", vmin=0, vmax=0.3)
+        axes.set_title(f"{model}: {scene.removeprefix('builtin:')}", fontsize=8)
+        axes.set(xlabel=f"{across}, m", ylabel=f"{up}, m", aspect="equal")
+        axes.tick_params(labelsize=6)
+    figure.colorbar(shown, ax=grid, shrink=0.5, label="RMSE at the receiver")
+    save(figure, folder, "worst-scenes")
+    return True
+
+
+def conclusions(rows, radius, tolerance=0.05):
+    """For each scene, the fewest numbers within the tolerance, and the best of all; as (scene, text) pairs."""
+    out = []
+    for scene in dict.fromkeys(r["scene"] for r in rows):
+        here = [r for r in rows if r["scene"] == scene and r["light_radius_deg"] == radius and r["model"] not in BASELINES | {"auto"}]
+        if not here:
+            continue
+        within = sorted((r["numbers"], r["rmse"], name(r)) for r in here if r["rmse"] <= tolerance)
+        best = min(here, key=lambda r: r["rmse"])
+        text = (f"{within[0][2]}, {within[0][0]:g} numbers, RMSE {within[0][1]:.3f}" if within
+                else f"no model comes within {tolerance:g}")
+        out.append((scene.removeprefix("builtin:"), text, f"{name(best)}, {best['numbers']:g} numbers, {best['rmse']:.3f}"))
+    return out
+
+
+COLUMNS = [("numbers", "numbers", 2), ("bytes", "bytes", 2), ("rmse", "RMSE", 4), ("bias", "bias", 4), ("max", "max", 3),
+           ("ambient_rmse", "sky RMSE", 4), ("cycles_navi21", "cycles RDNA2", 0), ("cycles_polaris10", "cycles GCN4", 0),
+           ("time_ratio", "time / N·L", 2), ("bake_ratio", "bake / sh", 2), ("fits_per_second", "fits/s", 0)]
+
+
+def cell(value, digits):
+    return "" if value is None else f"{value:.{digits}f}"
+
+
+def page(rows, folder, radius, about, date, pictures):
+    body = []
+    for scene in ["mean over the scenes"] + list(dict.fromkeys(r["scene"] for r in rows)):
+        for light in sorted({r["light_radius_deg"] for r in rows}):
+            found = means(rows if scene.startswith("mean") else [r for r in rows if r["scene"] == scene], light)
+            for model, row in found.items():
+                cells = "".join(f"<td>{cell(row[key], digits)}</td>" for key, _, digits in COLUMNS)
+                body.append(f"<tr><td>{html.escape(scene)}</td><td>{html.escape(model)}</td><td>{light:g}</td>{cells}</tr>")
+    images = "".join(
+        f'<figure><img alt="{html.escape(text)}" src="data:image/svg+xml;base64,'
+        f'{base64.b64encode((folder / (stem + ".svg")).read_bytes()).decode()}"><figcaption>{html.escape(text)}</figcaption></figure>'
+        for stem, text in pictures)
+    advice = "".join(f"<tr><td>{html.escape(s)}</td><td>{html.escape(t)}</td><td>{html.escape(b)}</td></tr>"
+                     for s, t, b in conclusions(rows, radius))
+    heads = "".join(f"<th>{html.escape(h)}</th>" for h in ["scene", "model", "light °"] + [c[1] for c in COLUMNS])
+    text = TEMPLATE
+    for key, value in {"DATE": date, "VERSION": html.escape(about["version"]), "RECEIVERS": str(about["receivers"]),
+                       "DEVICE": html.escape(about["device"] or "none"), "RADIUS": f"{radius:g}", "IMAGES": images,
+                       "HEADS": heads, "BODY": "".join(body), "ADVICE": advice}.items():
+        text = text.replace("@" + key + "@", value)
+    (folder / "index.html").write_text(text)
+
+
+TEMPLATE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Apertura: error against cost</title><style>
+body { font: 15px/1.5 sans-serif; margin: 2em auto; max-width: 1100px; padding: 0 1em; color: #222 }
+table { border-collapse: collapse; font-size: 13px } td, th { padding: 2px 8px; text-align: right; border-bottom: 1px solid #ddd }
+td:first-child, td:nth-child(2), th:first-child, th:nth-child(2) { text-align: left }
+#all th { cursor: pointer; position: sticky; top: 0; background: #f3f3f3 } #all th[data-order]::after { content: " \\25B2" }
+#all th[data-order="-1"]::after { content: " \\25BC" }
+figure { margin: 1.5em 0 } img { max-width: 100% } figcaption { color: #666; font-size: 13px } input { width: 22em }
+</style></head><body>
+<h1>Error against cost</h1>
+<p>Made by <code>apertura chart</code> @VERSION@ on @DATE@; @RECEIVERS@ receivers a scene. RMSE is of E / (L π sin²r) against
+ray-traced truth. Cycles are what Mesa's compiler states for one wave of each Radeon, above N·L with no visibility; time is of @DEVICE@.</p>
+<h2>Which model for which scene</h2>
+<p>Light radius @RADIUS@°: the fewest numbers a point within an RMSE of 0.05, and the best of all.</p>
+<table><tr><th>scene</th><th>least</th><th>best</th></tr>@ADVICE@</table>
+@IMAGES@
+<h2>All of it</h2>
+<p><label>Only rows that contain <input id="filter" placeholder="for example: mean soft 5"></label></p>
+<table id="all"><thead><tr>@HEADS@</tr></thead><tbody>@BODY@</tbody></table>
+<script>
+const table = document.getElementById("all"), body = table.tBodies[0];
+for (const head of table.tHead.rows[0].cells) head.onclick = () => {
+  const order = head.dataset.order === "1" ? -1 : 1, column = head.cellIndex;
+  for (const other of table.tHead.rows[0].cells) delete other.dataset.order;
+  head.dataset.order = order;
+  const key = row => { const t = row.cells[column].textContent, n = Number(t); return t === "" ? Infinity : isNaN(n) ? t : n; };
+  const rows = [...body.rows].map(row => [key(row), row]);
+  rows.sort(([a], [b]) => order * (typeof a === "number" && typeof b === "number" ? a - b : String(a).localeCompare(String(b))));
+  body.append(...rows.map(r => r[1]));
+};
+document.getElementById("filter").oninput = event => {
+  const words = event.target.value.toLowerCase().split(/\\s+/).filter(w => w);
+  for (const row of body.rows) {
+    const text = [...row.cells].slice(0, 3).map(c => c.textContent.toLowerCase());
+    row.hidden = !words.every(w => text.some(t => isNaN(Number(w)) ? t.includes(w) : t === w));
+  }
+};
+</script></body></html>
+"""
+
+
+def markdown(rows, table, fronts, folder, radius, about, date):
+    """The same for a repository: the means, and what to conclude."""
+    radii = sorted({r["light_radius_deg"] for r in rows})
+    tables = {r: means(rows, r) for r in radii}
+    lines = ["# Error against cost", "",
+             f"Made by `apertura chart` {about['version']} on {date}, {about['receivers']} receivers a scene. RMSE of E / (L π sin²r), "
+             "mean over the scenes; cycles above N·L as Mesa's compiler states them.", "",
+             "![error against cycles](error-cycles-navi21.png)", "",
+             "| model | numbers | " + " | ".join(f"{r:g}°" for r in radii) + " | sky | cycles RDNA2 | GCN4 | bake / sh |",
+             "|---|---|" + "---|" * (len(radii) + 4)]
+    for model, row in table.items():
+        cells = [cell(row["numbers"], 2).rstrip("0").rstrip(".")] + [cell(tables[r][model]["rmse"], 3) for r in radii]
+        cells += [cell(row["ambient_rmse"], 3), cell(row["cycles_navi21"], 0), cell(row["cycles_polaris10"], 0), cell(row["bake_ratio"], 2)]
+        lines.append(f"| `{model}` | " + " | ".join(cells) + " |")
+    lines += ["", f"Cycles are those of a light of {radius:g}°.", "", f"## Which model for which scene (light radius {radius:g}°)", "",
+              "| scene | fewest numbers within 0.05 | best of all |", "|---|---|---|"]
+    lines += [f"| {s} | {t} | {b} |" for s, t, b in conclusions(rows, radius)]
+    for column, title in (("bytes", "bytes"), ("cycles_navi21", "RDNA2 cycles"), ("bake_ratio", "bake time")):
+        if fronts.get(column):
+            lines += ["", f"Nothing is both cheaper in {title} and better than: " + ", ".join(f"`{p[2]}` ({p[1]:.3f})" for p in fronts[column]) + "."]
+    (folder / "models.md").write_text("\n".join(lines) + "\n")
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    folder = pathlib.Path(sys.argv[1])
+    rows, maps = read(folder / "models.csv"), read(folder / "maps.csv")
+    about = json.loads((folder / "about.json").read_text())
+    date = datetime.date.today().isoformat()
+    radii = sorted({r["light_radius_deg"] for r in rows})
+    radius = RADIUS if RADIUS in radii else radii[len(radii) // 2]
+    table, fronts = cost_charts(rows, radius, folder)
+    scene_chart(rows, radius, folder)
+    radius_chart(rows, folder)
+    pictures = [("error-cycles-navi21", "Error against GPU cycles, RDNA2"), ("error-bytes", "Error against bytes a vertex"),
+                ("error-bake-ratio", "Error against bake time"), ("error-time-ratio", "Error against time on this machine's device"),
+                ("error-cycles-polaris10", "Error against GPU cycles, GCN4"), ("error-by-radius", "Error by the size of the light"),
+                ("scenes", "Error by scene")]
+    if map_chart(maps, folder):
+        pictures.append(("worst-scenes", "Where each model errs, in its worst scene"))
+    page(rows, folder, radius, about, date, pictures)
+    markdown(rows, table, fronts, folder, radius, about, date)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,256 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <sstream>
+
+#include "bake/isolated.h"
+#include "bake/measure.h"
+#include "runtime/cost.h"
+#include "runtime/error.h"
+#include "runtime/file.h"
+#include "tools/commands.h"
+#include "tools/terminal.h"
+
+namespace apertura {
+namespace {
+
+struct Arguments {
+    std::vector<std::string> scenes;
+    std::string out;
+    std::vector<std::string> models;
+    HeightMapOptions map;
+    MeasureOptions measure;
+};
+
+// Radeons that Mesa's compiler states costs for: one of RDNA2 and one of GCN4.
+const char* const kFamilies[] = {"navi21", "polaris10"};
+constexpr int kSizes[] = {LIGHTS_SMALL, LIGHTS_MEDIUM, LIGHTS_ANY};
+constexpr double kMapRadius = 5;  // degrees, of the light that error maps show
+
+// By model and class of lights, above what N.L alone costs there.
+struct Costs {
+    std::map<std::string, std::map<std::pair<int, int>, int>> cycles;  // by family
+    std::map<std::pair<int, int>, double> time;                         // as a multiple of N.L's
+    std::string device;
+};
+
+std::vector<CostCase> allCases() {
+    std::vector<CostCase> out;
+    for (const Model& model : models())
+        for (int size : kSizes) out.push_back({model.id, size});
+    return out;
+}
+
+// The description of Mesa's driver for Radeons; empty where there is none.
+std::string radeonDriver() {
+    for (const char* folder : {"/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"}) {
+        std::error_code ignored;
+        for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+            if (entry.path().filename().string().starts_with("radeon_icd")) return entry.path().string();
+    }
+    return {};
+}
+
+// In a process of its own: the driver looks for its orders in the environment, and there is no such device.
+std::vector<CompiledCost> costsOn(const char* family) {
+    const std::string driver = radeonDriver();
+    if (driver.empty()) throw Error("Mesa's driver for Radeons (RADV) is not installed");
+    Parcel parcel = runIsolated("RADV", 120, [&](Parcel& out) {
+        setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
+        setenv("VK_DRIVER_FILES", driver.c_str(), 1);
+        setenv("RADV_FORCE_FAMILY", family, 1);
+        const Gpu gpu({.statistics = true});
+        out.put(compiledCosts(gpu, allCases()));
+    });
+    return parcel.take<CompiledCost>();
+}
+
+Costs measureCosts() {
+    Costs out;
+    const std::vector<CostCase> cases = allCases();
+    try {
+        for (const char* family : kFamilies) {
+            const std::vector<CompiledCost> costs = costsOn(family);
+            for (size_t i = 0; i < cases.size(); ++i) {
+                const size_t base = i % std::size(kSizes);  // models()[0] is N.L alone
+                out.cycles[family][{cases[i].model, cases[i].size}] = costs[i].cycles - costs[base].cycles;
+            }
+        }
+    } catch (const Error& e) {
+        out.cycles.clear();
+        std::fprintf(stderr, "apertura: no GPU cycles, their columns stay empty: %s\n", e.what());
+    }
+    try {
+        const Gpu gpu;
+        const std::vector<double> seconds = measuredCosts(gpu, cases, 1 << 16, 5);
+        for (size_t i = 0; i < cases.size(); ++i)
+            out.time[{cases[i].model, cases[i].size}] = seconds[i] / seconds[i % std::size(kSizes)];
+        out.device = gpu.name();
+    } catch (const Error& e) {
+        std::fprintf(stderr, "apertura: no times of a device, their column stays empty: %s\n", e.what());
+    }
+    return out;
+}
+
+// What a vertex costs the baker with each recipe, 256 rays and one thread, as a multiple of `sh`; and how many
+// points a second the fit alone makes.
+struct BakeCost {
+    double ratio, pointsPerSecond;
+};
+std::map<std::string, BakeCost> measureBaking(const Scene& scene, uint32_t seed) {
+    using Clock = std::chrono::steady_clock;
+    const Tracer tracer(scene);
+    std::vector<SurfacePoint> points;
+    for (const SpreadPoint& p : spreadReceivers(scene, 300, seed)) points.push_back(p.at);
+    BakeOptions options;
+    options.threads = 1;
+    const FitTools tools(options.rays);
+    FitOptions how;
+    how.price = 1 / (how.tolerance * how.tolerance);
+    std::vector<std::pair<Samples, mat3>> samples;
+    const auto start = Clock::now();
+    samplePoints(tracer, points, tools.lattice, options, {}, [&](size_t, const Samples& s, const mat3& frame) { samples.emplace_back(s, frame); });
+    const double tracing = std::chrono::duration<double>(Clock::now() - start).count();
+    std::map<std::string, BakeCost> out;
+    double plain = 0;
+    for (const Recipe& recipe : recipes()) {
+        const auto from = Clock::now();
+        for (const auto& [s, frame] : samples) makePoint(recipe, tools, s, frame, how);
+        const double fitting = std::chrono::duration<double>(Clock::now() - from).count();
+        if (recipe.name == "sh") plain = tracing + fitting;
+        out[std::string(recipe.name)] = {(tracing + fitting) / plain, double(points.size()) / fitting};
+    }
+    return out;
+}
+
+// The recipe that a row's model was made by.
+std::string recipeOf(const MeasureRow& row) {
+    const Recipe* own = findRecipe(row.model);
+    if (own && own->source == row.source) return row.model;
+    return row.source == "fit" ? "sh-fit" : row.source;
+}
+
+std::string inQuotes(const std::string& text) {
+    std::string out = "\"";
+    for (char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+}
+
+std::string toCsv(const std::vector<Measurement>& all, const Costs& costs, const std::map<std::string, BakeCost>& baking) {
+    std::ostringstream out;
+    out.precision(6);
+    out << "scene,model,source,numbers,bytes,light_radius_deg,rmse,bias,max,rms_truth,noise,ambient_rmse";
+    for (const char* family : kFamilies) out << ",cycles_" << family;
+    out << ",time_ratio,bake_ratio,fits_per_second\n";
+    for (const Measurement& m : all)
+        for (const MeasureRow& r : m.rows) {
+            if (r.source == "rays" && findModel(r.model)->fromVisibility) continue;  // the same as from sh
+            out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << r.numbers << ',' << r.bytes << ',' << r.lightRadius << ','
+                << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise << ',' << r.ambient;
+            const std::pair key(findModel(r.model)->id, lightsOf(float(std::sin(r.lightRadius * PI / 180))));
+            for (const char* family : kFamilies) {
+                out << ',';
+                if (costs.cycles.contains(family)) out << costs.cycles.at(family).at(key);
+            }
+            out << ',';
+            if (!costs.time.empty()) out << costs.time.at(key);
+            const BakeCost& cost = baking.at(recipeOf(r));
+            out << ',' << cost.ratio << ',' << cost.pointsPerSecond << '\n';
+        }
+    return out.str();
+}
+
+// Of each model the scene where it does worst: where its receivers lie, and their error.
+std::string toMaps(const std::vector<Measurement>& all) {
+    std::map<std::pair<std::string, std::string>, std::pair<const Measurement*, const MeasureRow*>> worst;
+    for (const Measurement& m : all)
+        for (const MeasureRow& r : m.rows) {
+            if (r.lightRadius != kMapRadius || (r.source == "rays" && findModel(r.model)->fromVisibility)) continue;
+            auto& [scene, row] = worst[{r.model, r.source}];
+            if (!row || r.rmse > row->rmse) scene = &m, row = &r;
+        }
+    std::ostringstream out;
+    out << "scene,model,source,x,y,z,rmse\n";
+    for (const auto& [key, found] : worst) {
+        const auto& [m, row] = found;
+        for (size_t i = 0; i < m->positions.size(); ++i)
+            out << inQuotes(m->scene) << ',' << row->model << ',' << row->source << ',' << m->positions[i].x << ',' << m->positions[i].y << ','
+                << m->positions[i].z << ',' << row->receiverRmse[i] << '\n';
+    }
+    return out.str();
+}
+
+void run(Arguments a) {
+    if (!a.models.empty())
+        for (const std::string& name : a.models) {
+            const Model* model = findModel(name);
+            if (!model) throw CLI::ValidationError("--models: there is no model '" + name + "'");
+            a.measure.models.push_back(model);
+        }
+    if (a.scenes.empty())
+        for (const std::string& name : builtinNames()) a.scenes.push_back("builtin:" + name);
+    std::error_code failed;
+    std::filesystem::create_directories(a.out, failed);
+    if (failed || !std::filesystem::is_directory(a.out)) throw Error(a.out + ": is not a folder, and cannot be made one");
+    const std::string csv = a.out + "/models.csv", maps = a.out + "/maps.csv", about = a.out + "/about.json";
+    PendingFile(csv.c_str());  // says now that it cannot be written
+
+    const Costs costs = measureCosts();
+    std::vector<Measurement> all;
+    std::map<std::string, BakeCost> baking;
+    {
+        ProgressBar bar("charting");
+        const Progress progress = bar.callback();
+        for (size_t i = 0; i < a.scenes.size(); ++i) {
+            const Scene scene = loadScene(a.scenes[i], a.map);
+            if (baking.empty()) baking = measureBaking(scene, a.measure.seed);
+            all.push_back(measureScene(scene, a.measure, [&](double share) {
+                return progress((double(i) + share) / double(a.scenes.size()));
+            }));
+        }
+    }
+    if (interrupted()) throw Cancelled{};
+    writeTextFile(csv, toCsv(all, costs, baking));
+    writeTextFile(maps, toMaps(all));
+    std::ostringstream json;
+    json << "{\"version\": \"" APERTURA_VERSION "\", \"receivers\": " << all[0].receivers << ", \"device\": \"" << costs.device << "\"}\n";
+    writeTextFile(about, json.str());
+    // The pictures are matplotlib's; it says itself what it lacks.
+    std::fflush(stdout);
+    const char* const python = std::getenv("APERTURA_PYTHON");
+    const std::string command = std::string(python ? python : "/usr/bin/python3") + " '" APERTURA_CHARTS "' \"$APERTURA_CHART_FOLDER\"";
+    setenv("APERTURA_CHART_FOLDER", a.out.c_str(), 1);
+    if (std::system(command.c_str()) != 0) throw Error(a.out + ": the table models.csv is there, the charts are not");
+    std::printf("%s/index.html: %zu scenes, %d receivers each\n", a.out.c_str(), all.size(), all[0].receivers);
+}
+
+}  // namespace
+
+void addChartCommand(CLI::App& program) {
+    auto a = std::make_shared<Arguments>();
+    a->measure.receivers = 200;
+    CLI::App& command = *program.add_subcommand("chart", "every model's error against its cost, as a table, charts and one page");
+    command.footer(
+        "Leaves models.csv, the charts as .png and .svg, and index.html, which holds them all and needs no network.\n"
+        "GPU cycles are what Mesa's compilers for an RDNA2 and a GCN4 Radeon state, above N.L alone; no such GPU is needed.\n"
+        "Example: apertura chart builtin:statue builtin:canyon -o charts");
+    command.add_option("SCENE", a->scenes, "scenes as for bake [the nine built-in ones]")->type_name("SCENE ...");
+    command.add_option("-o", a->out, "the folder for all of it; made where it is not there")->required()->type_name("DIR");
+    command.add_option("--models", a->models, "of " + modelNames() + " [all]")->delimiter(',')->type_name("A,B,...");
+    command.add_option("--light-radii", a->measure.lightRadii, "degrees [0.27,1,5,15,30]")
+        ->delimiter(',')
+        ->check(finiteRange(0.01, 45.0))
+        ->type_name("D,D,...");
+    command.add_option("--receivers", a->measure.receivers, "points on each scene's surface [200]")->check(CLI::Range(1, 1000000))->type_name("N");
+    command.add_option("--tolerance", a->measure.tolerance, "of the model auto: RMSE [0.05]")->check(finiteRange(1e-6, 1e6))->type_name("RMSE");
+    command.add_option("--seed", a->measure.seed, "of the receivers and the rays [1]")->type_name("S");
+    command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
+    addHeightMapOptions(command, a->map);
+    command.callback([a] { run(*a); });
+}
+
+}  // namespace apertura
