@@ -14,7 +14,9 @@ namespace {
 namespace stdx = std::experimental;
 using Floats = stdx::native_simd<float>;
 
-constexpr float kSlopeLimit = 500;  // harder than any mesh or byte can hold
+// The sharpest that an edge is made: harder than any mesh can show. Of a quadric, what its bytes can hold.
+template <int M>
+constexpr float kSlopeLimit = M == 4 ? 500 : 120;
 constexpr double kSlopeCost = 1e-10;  // keeps lobes that nothing in the samples bounds from running away
 
 // Solves A x = b for symmetric positive definite A by Cholesky's method; false where it is not.
@@ -177,10 +179,10 @@ struct Fitter {
         for (int k = 0; k < K; ++k) {
             float squared = 0;
             for (int m = 1; m < M; ++m) squared += p[k * M + m] * p[k * M + m];
-            float scale = std::min(1.0f, kSlopeLimit / std::sqrt(std::max(squared, 1e-12f)));
+            float scale = std::min(1.0f, kSlopeLimit<M> / std::sqrt(std::max(squared, 1e-12f)));
             if (options.firmness > 0) scale = options.firmness / std::sqrt(std::max(squared, 1e-12f));
             for (int m = 1; m < M; ++m) p[k * M + m] *= scale;
-            p[k * M] = std::clamp(options.firmness > 0 ? p[k * M] : p[k * M] * scale, -3 * kSlopeLimit, 3 * kSlopeLimit);
+            p[k * M] = std::clamp(options.firmness > 0 ? p[k * M] : p[k * M] * scale, -3 * kSlopeLimit<M>, 3 * kSlopeLimit<M>);
         }
     }
 

@@ -4,14 +4,13 @@
 #include <array>
 #include <cstring>
 
+#include "runtime/draw.h"
 #include "runtime/error.h"
 #include "scene.frag.h"
 #include "scene.vert.h"
 
 namespace apertura {
 namespace {
-
-constexpr VkFormat kColour = VK_FORMAT_R32G32B32A32_SFLOAT, kDepth = VK_FORMAT_D32_SFLOAT;
 
 std::vector<SceneVertex> toVertices(const Asset& asset, std::vector<uint32_t>& indices) {
     std::vector<SceneVertex> out;
@@ -109,48 +108,26 @@ VkPipeline Renderer::pipeline(const Model& model, int size, const GpuBindings& b
          vertexShader_->handle(), "main", nullptr},
         {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT,
          fragmentShader_->handle(), "main", &constants.info}};
-    const VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
-    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
-    viewport.viewportCount = viewport.scissorCount = 1;
-    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
-    raster.lineWidth = 1;
-    VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
-    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
-    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-    depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
-    depth.depthCompareOp = VK_COMPARE_OP_GREATER;
-    VkPipelineColorBlendAttachmentState attachment{};
-    attachment.colorWriteMask = 0xF;
-    VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
-    blend.attachmentCount = 1;
-    blend.pAttachments = &attachment;
-    const VkDynamicState changing[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
-    dynamic.dynamicStateCount = uint32_t(std::size(changing));
-    dynamic.pDynamicStates = changing;
-    VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
-    rendering.colorAttachmentCount = 1;
-    rendering.pColorAttachmentFormats = &kColour;
-    rendering.depthAttachmentFormat = kDepth;
-    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, &rendering};
-    info.stageCount = uint32_t(std::size(stages));
-    info.pStages = stages;
-    info.pVertexInputState = &input;
-    info.pInputAssemblyState = &assembly;
-    info.pViewportState = &viewport;
-    info.pRasterizationState = &raster;
-    info.pMultisampleState = &samples;
-    info.pDepthStencilState = &depth;
-    info.pColorBlendState = &blend;
-    info.pDynamicState = &dynamic;
-    info.layout = bindings.layout();
-    check(vkCreateGraphicsPipelines(gpu_.device(), VK_NULL_HANDLE, 1, &info, nullptr, &out), "vkCreateGraphicsPipelines");
+    out = makePipeline(gpu_, stages, bindings.layout(), true);
     return out;
 }
 
 Picture Renderer::draw(const View& view, const Model& model) {
+    int size = LIGHTS_SMALL;
+    for (const Light& light : view.lights)
+        size = std::min(size, light.place.w > 0 ? LIGHTS_ANY : lightsOf(light.shape.x));
+    const GpuBindings& bindings = *forms(model).bindings;
+    return picture(view, pipeline(model, size, bindings), bindings, {});
+}
+
+Picture Renderer::drawShadowMapped(const View& view) {
+    if (view.lights.size() != 1 || view.lights[0].place.w > 0) throw Error("a shadow map is drawn of one light from a direction");
+    if (!shadow_) shadow_ = std::make_unique<ShadowMap>(gpu_, *frame_, *vertices_, *indices_, worldBounds(asset_.scene));
+    shadow_->aim(view.lights[0]);
+    return picture(view, shadow_->pipeline(), shadow_->bindings(), [&](VkCommandBuffer commands) { shadow_->draw(commands, indexCount_); });
+}
+
+Picture Renderer::picture(const View& view, VkPipeline drawing, const GpuBindings& bindings, const std::function<void(VkCommandBuffer)>& before) {
     assert(view.lights.size() <= size_t(MAX_LIGHTS));
     const auto width = uint32_t(view.width) * 2, height = uint32_t(view.height) * 2;
     if (std::max(width, height) > gpu_.largestImage())
@@ -164,45 +141,16 @@ Picture Renderer::draw(const View& view, const Model& model) {
     std::copy(view.lights.begin(), view.lights.end(), frame.lights);
     std::memcpy(frame_->data(), &frame, sizeof frame);
 
-    const GpuImage colour(gpu_, width, height, kColour,
+    const GpuImage colour(gpu_, width, height, kColourFormat,
                           VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
-    const GpuImage depth(gpu_, width, height, kDepth, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
+    const GpuImage depth(gpu_, width, height, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
     const GpuBuffer result(gpu_, VkDeviceSize(width) * height * sizeof(vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                            GpuBuffer::Place::Host);
-    int size = LIGHTS_SMALL;
-    for (const Light& light : view.lights)
-        size = std::min(size, light.place.w > 0 ? LIGHTS_ANY : lightsOf(light.shape.x));
-    const GpuBindings& bindings = *forms(model).bindings;
-    const VkPipeline drawing = pipeline(model, size, bindings);
     gpu_.run([&](VkCommandBuffer commands) {
+        if (before) before(commands);
         colour.transition(commands, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
         depth.transition(commands, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-        VkRenderingAttachmentInfo target{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-        target.imageView = colour.view();
-        target.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-        target.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-        target.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-        target.clearValue.color = {{view.sky.r, view.sky.g, view.sky.b, 1}};
-        VkRenderingAttachmentInfo far = target;
-        far.imageView = depth.view();
-        far.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
-        far.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-        far.clearValue.depthStencil = {0, 0};
-        VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-        rendering.renderArea = {{0, 0}, {width, height}};
-        rendering.layerCount = 1;
-        rendering.colorAttachmentCount = 1;
-        rendering.pColorAttachments = &target;
-        rendering.pDepthAttachment = &far;
-        vkCmdBeginRendering(commands, &rendering);
-        const VkViewport viewport{0, 0, float(width), float(height), 0, 1};
-        vkCmdSetViewport(commands, 0, 1, &viewport);
-        vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
-        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, drawing);
-        const VkDescriptorSet set = bindings.set();
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bindings.layout(), 0, 1, &set, 0, nullptr);
-        vkCmdDraw(commands, indexCount_, 1, 0, 0);
-        vkCmdEndRendering(commands);
+        drawTriangles(commands, &colour, depth, {width, height}, view.sky, drawing, bindings, indexCount_);
         colour.transition(commands, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
         VkBufferImageCopy all{};
         all.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
@@ -210,10 +158,10 @@ Picture Renderer::draw(const View& view, const Model& model) {
         vkCmdCopyImageToBuffer(commands, colour.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, result.handle(), 1, &all);
         letHostRead(commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
     });
-    Picture picture{int(width), int(height), {}};
+    Picture out{int(width), int(height), {}};
     const auto* pixels = static_cast<const vec4*>(result.data());
-    picture.pixels.assign(pixels, pixels + size_t(width) * height);
-    return halved(picture);
+    out.pixels.assign(pixels, pixels + size_t(width) * height);
+    return halved(out);
 }
 
 }  // namespace apertura

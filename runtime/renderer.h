@@ -5,6 +5,7 @@
 
 #include "runtime/asset.h"
 #include "runtime/picture.h"
+#include "runtime/shadow_map.h"
 #include "runtime/view.h"
 #include "runtime/vulkan.h"
 #include "sh/models.h"
@@ -22,6 +23,10 @@ public:
     // where the asset does not hold the model, or the picture or the forms are too large for the device.
     Picture draw(const View& view, const Model& model);
 
+    // The baseline: N.L, a shadow map of 2048 texels a side and percentage-closer soft shadows; no occlusion
+    // of the sky. Throws Error unless there is one light, from a direction.
+    Picture drawShadowMapped(const View& view);
+
 private:
     struct Forms {
         std::unique_ptr<GpuBuffer> buffer;
@@ -29,6 +34,7 @@ private:
     };
     const Forms& forms(const Model& model);
     VkPipeline pipeline(const Model& model, int size, const GpuBindings& bindings);
+    Picture picture(const View& view, VkPipeline drawing, const GpuBindings& bindings, const std::function<void(VkCommandBuffer)>& before);
 
     const Gpu& gpu_;
     const Asset& asset_;
@@ -36,6 +42,7 @@ private:
     uint32_t indexCount_ = 0;
     std::unique_ptr<GpuBuffer> vertices_, indices_, frame_;
     std::unique_ptr<GpuShader> vertexShader_, fragmentShader_;
+    std::unique_ptr<ShadowMap> shadow_;
     std::map<int, Forms> forms_;                           // by model
     std::map<std::pair<int, int>, VkPipeline> pipelines_;  // by model and class of lights
 };

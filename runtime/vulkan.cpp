@@ -294,7 +294,7 @@ GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings) : gp
     layout.setLayoutCount = 1;
     layout.pSetLayouts = &setLayout_;
     check(vkCreatePipelineLayout(gpu.device(), &layout, nullptr, &layout_), "vkCreatePipelineLayout");
-    if (std::any_of(bindings.begin(), bindings.end(), [](const Binding& b) { return !b.buffer; })) return;
+    if (std::any_of(bindings.begin(), bindings.end(), [](const Binding& b) { return !b.buffer && !b.image; })) return;
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.maxSets = 1;
     pool.poolSizeCount = uint32_t(sizes.size());
@@ -303,13 +303,20 @@ GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings) : gp
     VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, pool_, 1, &setLayout_};
     check(vkAllocateDescriptorSets(gpu.device(), &allocate, &set_), "vkAllocateDescriptorSets");
     for (uint32_t i = 0; i < bindings.size(); ++i) {
-        const VkDescriptorBufferInfo buffer{bindings[i].buffer->handle(), 0, VK_WHOLE_SIZE};
+        VkDescriptorBufferInfo buffer{VK_NULL_HANDLE, 0, VK_WHOLE_SIZE};
+        VkDescriptorImageInfo image{VK_NULL_HANDLE, VK_NULL_HANDLE, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = set_;
         write.dstBinding = i;
         write.descriptorCount = 1;
         write.descriptorType = bindings[i].type;
-        write.pBufferInfo = &buffer;
+        if (bindings[i].image) {
+            image.imageView = bindings[i].image->view();
+            write.pImageInfo = &image;
+        } else {
+            buffer.buffer = bindings[i].buffer->handle();
+            write.pBufferInfo = &buffer;
+        }
         vkUpdateDescriptorSets(gpu.device(), 1, &write, 0, nullptr);
     }
 }

@@ -126,6 +126,7 @@ public:
         VkDescriptorType type;
         VkShaderStageFlags stages;
         const GpuBuffer* buffer;
+        const GpuImage* image = nullptr;  // in SHADER_READ_ONLY_OPTIMAL, instead of a buffer
     };
     GpuBindings(const Gpu& gpu, std::span<const Binding> bindings);
     ~GpuBindings();

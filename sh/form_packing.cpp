@@ -42,7 +42,7 @@ vec3 fromOctahedral(const vec2& p) {
 // A length of 0.. as 0..1, most finely about `middle`.
 float toShare(float length, float middle) { return length / (length + middle); }
 float fromShare(float share, float middle) { return middle * share / std::max(1 - share, 0.004f); }
-constexpr float kMiddleSlope = 4, kMiddleBend = 3;
+constexpr float kMiddleSlope = 4, kMiddleBend = 10;
 
 // The edge of a lobe: offset in units of 1 and the slope.
 float toEdge(float offset, float slope) { return offset / std::sqrt(1 + slope * slope + offset * offset); }

@@ -10,6 +10,7 @@ using namespace glm;
 #include "shaders/evaluate.glsl"
 #include "shaders/frame.glsl"
 #include "shaders/models.glsl"
+#include "shaders/shadow.glsl"
 #undef APERTURA_FN
 
 }  // namespace apertura

@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "tests/support.h"
@@ -213,6 +215,99 @@ TEST(Cli, AssetsPassTheKhronosValidator) {
             const std::string command = std::string("node ") + APERTURA_SOURCE + "/tests/validate_gltf.js \"$GLTF_VALIDATOR\" " + (folder / "o.glb");
             EXPECT_EQ(std::system(command.c_str()), 0) << scene;
         }
+}
+
+TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
+    const Folder folder;
+    const std::string obj = folder.write("box.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -1 2 -1\nv 1 2 -1\nf 1 2 3\nf 1 3 4\nf 4 3 6\nf 4 6 5\n");
+    for (const char* model : {"sh-fit", "anti", "cap-anti", "multi-3", "soft-2", "soft-l2", "firm-4", "sh-l2", "sh-l4", "horizon", "transfer", "auto"}) {
+        const std::string glb = folder / (std::string(model) + ".glb");
+        Result r = run("bake " + obj + " -o " + glb + " --rays 64 --model " + model);
+        ASSERT_EQ(r.code, 0) << model << r.error;
+        r = run("info " + glb + " --json");
+        ASSERT_EQ(r.code, 0) << model << r.error;
+        const auto info = nlohmann::json::parse(r.out);
+        EXPECT_EQ(info["model"], model);
+        if (std::string(model) == "soft-2") {
+            EXPECT_EQ(info["bytes_per_vertex"], 12);
+        }
+        if (std::string(model) == "auto") {
+            double shares = 0;
+            for (const auto& [name, share] : info["auto"]["shares"].items()) shares += share.get<double>();
+            EXPECT_NEAR(shares, 1, 1e-6);
+            EXPECT_EQ(info["auto"]["tolerance"], 0.05);
+        }
+        const bool stored = std::string(model) != "sh-fit" && std::string(model) != "transfer";
+        r = run("render " + glb + " -o " + (folder / "p.png") + " --size 32x32 --model " + (stored ? model : "soft"));
+        EXPECT_EQ(r.code, 0) << model << r.error;
+        r = run("compare " + glb + " --receivers 8 --light-radii 5 --models " + (stored ? model : "soft"));
+        EXPECT_EQ(r.code, 0) << model << r.error;
+    }
+    expectRefusal("render " + (folder / "soft-2.glb") + " -o " + (folder / "q.png") + " --model firm-4", 1, "does not hold firm-4");
+    EXPECT_FALSE(fs::exists(folder / "q.png"));
+}
+
+TEST(Cli, RefusesTolerancesAndModelsThatAreNone) {
+    const Folder folder;
+    const std::string out = folder / "o.glb";
+    for (const char* tolerance : {"0", "-1", "nan", "inf", "much"})
+        expectRefusal("bake builtin:room-1 -o " + out + " --model auto --tolerance " + tolerance, 2, "--tolerance");
+    expectRefusal("bake builtin:room-1 -o " + out + " --model clever", 2, "clever");
+    expectRefusal("chart builtin:room-9 -o " + (folder / "chart"), 1, "room-9");
+    expectRefusal("chart -o " + (folder / "chart") + " --models clever", 2, "clever");
+    const std::string file = folder.write("file", "x");
+    expectRefusal("chart -o " + file + "/chart", 1, "chart");
+    EXPECT_FALSE(fs::exists(out));
+}
+
+// A little of everything that the page needs.
+std::string chart(const Folder& folder, const std::string& environment) {
+    const std::string out = folder / "chart";
+    const std::string command = environment + " " APERTURA_PROGRAM " chart builtin:sphere-over-plane builtin:room-1 -o " + out
+                              + " --models unshadowed,ao,soft,aperture --receivers 12 --light-radii 1,5 >" + (folder / "log") + " 2>&1";
+    const int status = std::system(command.c_str());
+    return std::to_string(WEXITSTATUS(status)) + " " + slurp(folder / "log");
+}
+
+TEST(Cli, ChartLeavesATableAndAPageThatSortsInABrowser) {
+    const Folder folder;
+    const std::string said = chart(folder, "");
+    ASSERT_EQ(said[0], '0') << said;
+    const std::string out = folder / "chart";
+    const std::string csv = slurp(out + "/models.csv");
+    EXPECT_EQ(lines(csv), 1 + 2 * 2 * 5) << csv;  // scenes, radii, and four models with soft from two sources
+    for (const char* picture : {"error-bytes", "error-cycles-navi21", "error-time-ratio", "error-bake-ratio", "scenes", "worst-scenes"})
+        for (const char* kind : {".png", ".svg"}) EXPECT_GT(slurp(out + "/" + picture + kind).size(), 2000u) << picture;
+    const std::string html = slurp(out + "/index.html");
+    EXPECT_EQ(html.find("src=\"http"), std::string::npos);
+    EXPECT_EQ(html.find('@'), std::string::npos);
+    if (!fs::exists("/usr/bin/chromium")) GTEST_SKIP() << "there is no Chromium";
+    // Click on RMSE, the sixth column, then read the column as the browser has it.
+    const std::string probe =
+        "<script>document.querySelectorAll('#all th')[5].click();"
+        "document.body.innerHTML = 'SORTED ' + [...document.getElementById('all').tBodies[0].rows].map(r => r.cells[5].textContent).join(' ') + ' END';</script></body>";
+    std::string changed = html;
+    changed.replace(changed.find("</body>"), 7, probe);
+    const std::string page = folder.write("probe.html", changed);
+    std::system(("timeout 60 /usr/bin/chromium --headless --no-sandbox --disable-gpu --user-data-dir=" + (folder / "profile") + " --dump-dom file://" + page
+                 + " >" + (folder / "dom") + " 2>/dev/null")
+                    .c_str());
+    const std::string dom = slurp(folder / "dom");
+    const size_t at = dom.find("SORTED ");
+    ASSERT_NE(at, std::string::npos) << dom.substr(0, 300);
+    std::istringstream words(dom.substr(at + 7, dom.find(" END", at) - at - 7));
+    std::vector<double> values;
+    for (double v; words >> v;) values.push_back(v);
+    EXPECT_EQ(values.size(), 3u * 2 * 5);  // the mean, and two scenes
+    EXPECT_TRUE(std::is_sorted(values.begin(), values.end()));
+}
+
+TEST(Cli, ChartWithoutMatplotlibStillLeavesTheTable) {
+    const Folder folder;
+    const std::string said = chart(folder, "APERTURA_PYTHON='/usr/bin/python3 -S'");  // without any package
+    EXPECT_EQ(said[0], '1') << said;
+    EXPECT_NE(said.find("matplotlib is missing"), std::string::npos) << said;
+    EXPECT_GT(lines(slurp(folder / "chart/models.csv")), 10);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "bake/load.h"
 #include "bake/reference.h"
 #include "runtime/error.h"
+#include "runtime/cost.h"
 #include "runtime/form_stream.h"
 #include "runtime/renderer.h"
 #include "tests/support.h"
@@ -157,6 +158,33 @@ TEST_F(GpuTest, SwitchesModelsWithoutAReload) {
             EXPECT_GT(differenceOf(first, renderer.draw(view, model)), 1e-3) << model.name;
         }
     EXPECT_EQ(differenceOf(first, renderer.draw(view, ao)), 0);
+}
+
+TEST_F(GpuTest, TheShadowMapShowsTheShadowsOfTheReference) {
+    // With a black sky, which the baseline knows nothing about.
+    const Asset asset = bakedScene("canyon", 1);
+    View view;
+    view.width = 120;
+    view.height = 80;
+    view.camera = viewOf(asset.scene);
+    view.sky = vec3(0);
+    Renderer renderer(*gpu, asset);
+    for (double radius : {0.01, 0.087}) {
+        view.lights = {directionLight({0.5f, 0.7f, 0.4f}, radius, vec3(float(1 / (radius * radius))))};
+        const Picture truth = traceReference(Tracer(asset.scene), view, {});
+        const double off = differenceOf(renderer.drawShadowMapped(view), truth);
+        std::printf("shadow map, light of %.3f rad: %.4f from the reference, whose mean is %.3f\n", radius, off, meanOf(truth));
+        EXPECT_LT(off, 0.16 * meanOf(truth));
+    }
+    view.lights = {placedLight({0, 4, 0}, 1, vec3(2))};
+    EXPECT_THROW(renderer.drawShadowMapped(view), Error);
+}
+
+TEST_F(GpuTest, CostsAreStatedAndTimed) {
+    const CostCase cases[] = {{MODEL_UNSHADOWED, LIGHTS_SMALL}, {MODEL_FIRM_4, LIGHTS_ANY}};
+    const std::vector<double> seconds = measuredCosts(*gpu, cases, 1 << 14, 3);
+    EXPECT_GT(seconds[0], 0);
+    EXPECT_GT(seconds[1], seconds[0]);
 }
 
 TEST(Renderer, RefusesAPictureThatIsTooLarge) {

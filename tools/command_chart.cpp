@@ -105,7 +105,7 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, uint32_t seed)
     using Clock = std::chrono::steady_clock;
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
-    for (const SpreadPoint& p : spreadReceivers(scene, 300, seed)) points.push_back(p.at);
+    for (const SpreadPoint& p : spreadReceivers(scene, 100, seed)) points.push_back(p.at);
     BakeOptions options;
     options.threads = 1;
     const FitTools tools(options.rays);
@@ -237,6 +237,7 @@ void addChartCommand(CLI::App& program) {
     command.footer(
         "Leaves models.csv, the charts as .png and .svg, and index.html, which holds them all and needs no network.\n"
         "GPU cycles are what Mesa's compilers for an RDNA2 and a GCN4 Radeon state, above N.L alone; no such GPU is needed.\n"
+        "The charts are drawn by matplotlib under /usr/bin/python3, or under $APERTURA_PYTHON.\n"
         "Example: apertura chart builtin:statue builtin:canyon -o charts");
     command.add_option("SCENE", a->scenes, "scenes as for bake [the nine built-in ones]")->type_name("SCENE ...");
     command.add_option("-o", a->out, "the folder for all of it; made where it is not there")->required()->type_name("DIR");

@@ -59,7 +59,7 @@ Light sun(const Arguments& a) {
 
 void run(const Arguments& a) {
     const Model* model = findModel(a.model);
-    if (!model && a.model != "reference") throw CLI::ValidationError("--model: there is no model '" + a.model + "'");
+    if (!model && a.model != "reference" && a.model != "shadow-map") throw CLI::ValidationError("--model: there is no model '" + a.model + "'");
     View view;
     view.width = int(a.width);
     view.height = int(a.height);
@@ -73,10 +73,11 @@ void run(const Arguments& a) {
     Scene scene = loadScene(a.file, a.map);
     view.camera = parseCamera(a.camera, viewOf(scene));
     Picture picture;
-    if (model) {
+    if (model || a.model == "shadow-map") {
         const Asset asset = toAsset(std::move(scene));
         const Gpu gpu;
-        picture = Renderer(gpu, asset).draw(view, *model);
+        Renderer renderer(gpu, asset);
+        picture = model ? renderer.draw(view, *model) : renderer.drawShadowMapped(view);
     } else {
         ProgressBar bar("ray tracing");
         const Progress progress = bar.callback();
@@ -98,7 +99,7 @@ void addRenderCommand(CLI::App& program) {
     command.footer("Example: apertura render statue.glb -o dawn.png --model soft --sun-azimuth 90 --sun-elevation 8");
     command.add_option("FILE", a->file, "a baked .glb; with --model reference any scene as for bake")->required();
     command.add_option("-o", a->out, "the picture, .png (sRGB) or .exr (linear)")->required()->type_name("PICTURE");
-    command.add_option("--model", a->model, modelNames() + ", or reference: ray traced [soft]")->type_name("NAME");
+    command.add_option("--model", a->model, modelNames() + ", or the baselines shadow-map: percentage-closer soft shadows, and reference: ray traced [soft]")->type_name("NAME");
     command.add_option("--sun-azimuth", a->azimuth, "degrees from north (-Z) by east (+X) [135]")
         ->check(finiteRange(-360.0, 360.0))
         ->type_name("D");

@@ -1,0 +1,14 @@
+// BASELINE: a shadow map of one light from a direction, with percentage-closer soft shadows (Fernando,
+// "Percentage-Closer Soft Shadows", SIGGRAPH sketch 2005). Laid out alike (std140) in GLSL and in C++.
+#ifndef APERTURA_SHADOW_GLSL
+#define APERTURA_SHADOW_GLSL
+
+struct ShadowView {
+    mat4 toLight;  // clip space of the map: depth 1 nearest the light, 0 farthest
+    vec4 right;    // xyz: the map's axes in the world, unit; w of each: 1 / the map's extent along it, 1/m
+    vec4 up;
+    vec4 towards;  // xyz: towards the light; w: 1 / the depth's range, 1/m
+    vec4 shape;    // x: tangent of the light's radius; y: texels a side; z: a texel, metres
+};
+
+#endif

@@ -1,0 +1,237 @@
+// Every model's form: its bytes, its turning, and what its formula makes of regions with known answers.
+#include "bake/bake.h"
+#include "bake/load.h"
+#include "bake/receivers.h"
+#include "runtime/error.h"
+#include "runtime/form_stream.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+const vec3 kUp(0, 0, 1);
+
+// Samples of a region given by a predicate, with the normal along +Z.
+template <typename Inside>
+Samples samplesOf(const SampleLattice& lattice, Inside&& inside) {
+    std::vector<uint8_t> blocked;
+    for (const vec3& w : lattice.directions()) blocked.push_back(!inside(dvec3(w)));
+    return Samples(lattice, blocked);
+}
+
+// RMSE of a recipe's model against the exact E / (L pi sin^2 r), over lights of one radius.
+template <typename Exact>
+double errorOf(const char* recipe, const char* modelName, const FitTools& tools, const Samples& samples, double radius, Exact&& exact) {
+    const Recipe& how = *findRecipe(recipe);
+    const Model& model = *findModel(modelName);
+    const BakedPoint point = how.make(tools, samples, mat3(1), {});
+    const Receiver receiver = toReceiver(point.visibility, toForm(model, point.visibility, how.model >= 0 ? &point.form : nullptr, kUp), kUp);
+    double sum = 0;
+    int count = 0;
+    for (const vec3& l : hemisphereLattice(200)) {
+        const CapLight light = capLight(dvec3(l), radius);
+        const double e = lightThrough(model.id, receiver, light, lightsOf(light.sinRadius)) / light.area - exact(dvec3(l));
+        sum += e * e;
+        ++count;
+    }
+    return std::sqrt(sum / count);
+}
+
+TEST(Models, EachStandsAtItsNumberAndHasAName) {
+    for (const Model& model : models()) {
+        EXPECT_EQ(&models()[size_t(model.id)], &model);
+        EXPECT_EQ(findModel(model.name), &model);
+        EXPECT_TRUE(model.fromVisibility || model.storedFields > 0 || model.id == MODEL_AUTO) << model.name;
+    }
+    EXPECT_EQ(findModel("nothing"), nullptr);
+    for (const Recipe& recipe : recipes()) EXPECT_EQ(findRecipe(recipe.name), &recipe);
+}
+
+TEST(Models, AnyNumbersUnpackToAFiniteFormAndPackAgain) {
+    Random random(51);
+    for (const Model& model : models()) {
+        std::vector<float> numbers(size_t(storedNumbers(model))), again(numbers.size());
+        for (int i = 0; i < 2000 && !numbers.empty(); ++i) {
+            for (float& n : numbers) n = i % 5 ? float(random(-1, 1)) : float(std::lround(random(-1.4, 1.4)));
+            const Form form = unpackForm(model, numbers);
+            for (const vec4& slot : form)
+                for (int c = 0; c < 4; ++c) ASSERT_TRUE(std::isfinite(slot[c])) << model.name;
+            packForm(model, form, again);
+            const Form back = unpackForm(model, again);
+            // The same light, whichever of several names an axis has.
+            const Visibility v{vec3(0, 0, 1), 3};
+            for (int k = 0; k < 4; ++k) {
+                const CapLight light = capLight(random.direction(), 0.1);
+                const float a = lightThrough(model.id, toReceiver(v, toForm(model, v, &form, kUp), kUp), light, LIGHTS_ANY);
+                const float b = lightThrough(model.id, toReceiver(v, toForm(model, v, &back, kUp), kUp), light, LIGHTS_ANY);
+                ASSERT_TRUE(std::isfinite(a));
+                ASSERT_NEAR(a / light.area, b / light.area, 0.02) << model.name;
+            }
+        }
+    }
+}
+
+TEST(Models, FormsTurnWithTheirFrame) {
+    Random random(52);
+    for (const Model& model : models()) {
+        if (storedNumbers(model) == 0 || model.id == MODEL_HORIZON) continue;  // heights are about the normal
+        for (int i = 0; i < 50; ++i) {
+            std::vector<float> numbers(size_t(storedNumbers(model)));
+            for (float& n : numbers) n = float(random(-0.3, 0.3));
+            const vec3 axis(random.direction());
+            const mat3 turn = frameAbout(axis, random(0, 6));
+            const Form form = unpackForm(model, numbers), turned = rotateForm(model, form, turn);
+            const Visibility v{vec3(0.3f, 0.2f, 1), 3}, w{turn * v.direction, v.area};
+            const CapLight light = capLight(random.direction(), 0.15), moved = capLight(dvec3(turn * light.axis), 0.15);
+            const float a = lightThrough(model.id, toReceiver(v, toForm(model, v, &form, kUp), kUp), light, LIGHTS_MEDIUM);
+            const float b = lightThrough(model.id, toReceiver(w, toForm(model, w, &turned, turn * kUp), turn * kUp), moved, LIGHTS_MEDIUM);
+            EXPECT_NEAR(a / light.area, b / light.area, 2e-3) << model.name;
+        }
+    }
+}
+
+TEST(Models, HighBandsAreOrthonormal) {
+    const auto lattice = sphereLattice(20000);
+    double products[21][21]{};
+    for (const dvec3& w : lattice) {
+        const HighBands y = highBands(vec3(w));
+        for (int a = 0; a < 21; ++a)
+            for (int b = 0; b <= a; ++b) products[a][b] += double(y.c[a / 4][a % 4]) * y.c[b / 4][b % 4] * 4 * kPi / 20000;
+    }
+    for (int a = 0; a < 21; ++a)
+        for (int b = 0; b <= a; ++b) EXPECT_NEAR(products[a][b], a == b, 2e-3) << a << " " << b;
+}
+
+TEST(Models, CapBlurIsTheMeanOverTheCap) {
+    for (double r : {0.05, 0.3, 0.8}) {
+        const double h = 1 - std::cos(r);
+        double sum[4]{};
+        for (int i = 0; i < 10000; ++i) {
+            const double z = 1 - h * (i + 0.5) / 10000;  // even in height is even in area
+            const double p[4] = {z, (3 * z * z - 1) / 2, (5 * z * z * z - 3 * z) / 2, (35 * z * z * z * z - 30 * z * z + 3) / 8};
+            for (int l = 0; l < 4; ++l) sum[l] += p[l] / 10000;
+        }
+        const vec4 blur = capBlur(float(h));
+        for (int l = 0; l < 4; ++l) EXPECT_NEAR(blur[l], sum[l], 1e-5);
+    }
+}
+
+TEST(Models, AlphaHasAllFourNumbers) {
+    Random random(53);
+    for (int i = 0; i < 1000; ++i) {
+        const double r = random(0.1, 1.5), opacity = random(0.1, 1), area = 2 * kPi * (1 - std::cos(r)) * opacity;
+        const dvec3 axis = random.direction();
+        const Visibility v{vec3(axis * area * (1 + std::cos(r)) / 2.0), float(area)};
+        const Form form = toForm(*findModel("alpha"), v, nullptr, kUp);
+        EXPECT_NEAR(form[0].w, 1 - std::cos(r), 1e-4);
+        EXPECT_NEAR(form[1].x, opacity, 2e-4);
+    }
+}
+
+// What is open is everything but a cap, or two caps: the exact light follows from caps alone.
+TEST(Models, AnAntiApertureIsRightAboutASphereOverAPlane) {
+    const FitTools tools(4096);
+    const dvec3 axis = normalize(dvec3(0.5, 0.2, 1));
+    const double blocked = 0.5, radius = 0.0873;
+    const Samples samples = samplesOf(tools.lattice, [&](const dvec3& w) { return dot(w, axis) < std::cos(blocked); });
+    auto exact = [&](const dvec3& l) {
+        return exactShare({0, 0, 1}, {{l, radius}}, radius) - exactShare({0, 0, 1}, {{l, radius}, {axis, blocked}}, radius);
+    };
+    EXPECT_LT(errorOf("sh", "anti", tools, samples, radius, exact), 0.02);
+    EXPECT_LT(errorOf("anti", "anti", tools, samples, radius, exact), 0.02);
+    EXPECT_LT(errorOf("cap-anti", "cap-anti", tools, samples, radius, exact), 0.03);
+    EXPECT_LT(errorOf("firm-2", "firm-2", tools, samples, radius, exact), 0.03);
+    EXPECT_LT(errorOf("soft-2", "soft-2", tools, samples, radius, exact), 0.03);
+    EXPECT_GT(errorOf("sh", "aperture", tools, samples, radius, exact), 0.1);
+}
+
+TEST(Models, TwoOpeningsAreFoundAndLit) {
+    const FitTools tools(4096);
+    const dvec3 a = normalize(dvec3(1, 0, 0.8)), b = normalize(dvec3(-0.7, 0.6, 0.9));
+    const double ra = 0.4, rb = 0.25;
+    const Samples samples = samplesOf(tools.lattice, [&](const dvec3& w) { return dot(w, a) > std::cos(ra) || dot(w, b) > std::cos(rb); });
+    for (double radius : {0.02, 0.0873, 0.26}) {
+        auto exact = [&](const dvec3& l) {
+            return exactShare({0, 0, 1}, {{l, radius}, {a, ra}}, radius) + exactShare({0, 0, 1}, {{l, radius}, {b, rb}}, radius);
+        };
+        for (const char* model : {"multi-2", "cap-anti", "firm-2", "soft-2", "firm-3", "firm-4", "multi-3"})
+            EXPECT_LT(errorOf(model, model, tools, samples, radius, exact), 0.045) << model << " " << radius;
+        EXPECT_GT(errorOf("sh", "soft", tools, samples, radius, exact), 0.06);
+    }
+}
+
+TEST(Models, FitsAreNoWorseThanALongSearch) {
+    const Scene scene = makeBuiltin("room-3");
+    const Tracer tracer(scene);
+    std::vector<SurfacePoint> points;
+    for (const SpreadPoint& p : spreadReceivers(scene, 24, 3)) points.push_back(p.at);
+    const FitTools tools(256);
+    const CapDictionary fine(tools.lattice, 200, 20);
+    for (const float firmness : {0.0f, kFirmness}) {
+        double own = 0, slow = 0;
+        samplePoints(tracer, points, tools.lattice, {.rays = 256, .threads = 1}, {}, [&](size_t, const Samples& samples, const mat3&) {
+            LobeFitOptions how;
+            how.lobes = 2;
+            how.firmness = firmness;
+            own += fitLobes(samples, tools.dictionary, LobeFitSides::Both, how).error;
+            how.starts = 24;
+            how.firstSteps = how.steps = 100;
+            slow += fitLobes(samples, fine, LobeFitSides::Both, how).error;
+        });
+        std::printf("two lobes, firmness %g: %.4f, after a long search %.4f\n", firmness, std::sqrt(own / 24), std::sqrt(slow / 24));
+        EXPECT_LE(std::sqrt(own), 1.12 * std::sqrt(slow));
+    }
+}
+
+TEST(Models, BytesAddLittle) {
+    const Scene scene = makeBuiltin("statue");
+    const Tracer tracer(scene);
+    std::vector<SurfacePoint> points;
+    for (const SpreadPoint& p : spreadReceivers(scene, 30, 1)) points.push_back(p.at);
+    const FitTools tools(256);
+    for (const Recipe& recipe : recipes()) {
+        if (recipe.model < 0) continue;
+        const Model& model = models()[size_t(recipe.model)];
+        double sum[2]{};
+        int count = 0;
+        samplePoints(tracer, points, tools.lattice, {.rays = 256, .threads = 1}, {}, [&](size_t i, const Samples& samples, const mat3& frame) {
+            const BakedPoint point = makePoint(recipe, tools, samples, frame, {.price = 400});
+            const vec3 normal = points[i].normal;
+            for (int k = 0; k < 2; ++k) {
+                const auto bytes = packForms(model, {&point.form, 1}, mat3(1), k ? 16 : 8);
+                const Form back = unpackForms(model, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 1, mat3(1), k ? 16 : 8)[0];
+                for (const vec3& l : hemisphereLattice(40)) {
+                    const CapLight light = apertura::capLight(frame * l, 0.0872f);
+                    const float a = lightThrough(model.id, toReceiver(point.visibility, toForm(model, point.visibility, &point.form, normal), normal), light, LIGHTS_MEDIUM);
+                    const float b = lightThrough(model.id, toReceiver(point.visibility, toForm(model, point.visibility, &back, normal), normal), light, LIGHTS_MEDIUM);
+                    sum[k] += std::pow((a - b) / light.area, 2);
+                    count += k;
+                }
+            }
+        });
+        std::printf("%-8s 8 bits add %.4f, 16 bits %.5f\n", std::string(model.name).c_str(), std::sqrt(sum[0] / count), std::sqrt(sum[1] / count));
+        EXPECT_LT(std::sqrt(sum[0] / count), 0.03) << model.name;
+        EXPECT_LT(std::sqrt(sum[1] / count), 0.003) << model.name;
+    }
+}
+
+TEST(FormStream, RefusesWhatCannotBe) {
+    const Model& two = *findModel("soft-2");
+    const Model& automatic = *findModel("auto");
+    std::vector<unsigned char> bytes(24, 7);
+    EXPECT_EQ(unpackForms(two, bytes, 3, mat3(1), 8).size(), 3u);
+    EXPECT_THROW(unpackForms(two, bytes, 4, mat3(1), 8), Error);
+    EXPECT_THROW(unpackForms(two, bytes, 2, mat3(1), 8), Error);
+    EXPECT_THROW(unpackForms(two, bytes, 3, mat3(1), 16), Error);
+    EXPECT_THROW(unpackForms(automatic, bytes, 25, mat3(1), 8), Error);
+    bytes = {0, 1, 2, 0x80};  // four points that store nothing, the last out of reach
+    const std::vector<Form> forms = unpackForms(automatic, bytes, 4, mat3(1), 8);
+    EXPECT_EQ(chosenModel(MODEL_AUTO, forms[2]), MODEL_SOFT);
+    EXPECT_EQ(forms[0][4].z, 0);
+    EXPECT_EQ(forms[3][4].z, 1);
+    bytes[1] = 100;
+    EXPECT_THROW(unpackForms(automatic, bytes, 4, mat3(1), 8), Error);
+}
+
+}  // namespace
+}  // namespace apertura::test
