@@ -16,7 +16,7 @@ using Floats = stdx::native_simd<float>;
 
 // The sharpest that an edge is made: harder than any mesh can show. Of a quadric, what its bytes can hold.
 template <int M>
-constexpr float kSlopeLimit = M == 4 ? 500 : 120;
+constexpr float kSlopeLimit = M == 4 ? 500 : 60;
 constexpr double kSlopeCost = 1e-10;  // keeps lobes that nothing in the samples bounds from running away
 
 // Solves A x = b for symmetric positive definite A by Cholesky's method; false where it is not.
