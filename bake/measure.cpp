@@ -131,7 +131,7 @@ std::vector<Receiver> receiversFrom(const Ground& ground, const std::vector<Visi
     return out;
 }
 
-Aperture apertureOf(const Receiver& receiver) { return apertureIn(receiver.form[0], receiver.normal); }
+Aperture apertureOf(const Receiver& receiver) { return apertureIn(receiver.form[0]); }
 
 PathRow comparePath(const Ground& ground, const std::string& stage, const std::string& source,
                     const std::vector<Receiver>& reference, const std::vector<Receiver>& changed) {
@@ -223,7 +223,7 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
                 sum.direction += w[c] * v.direction;
                 mix += w[c] * toForm(apertureModel(), v, nullptr, n)[0];
             }
-            receivers.push_back(coefficients ? toReceiver(apertureModel(), sum, n) : toReceiver(sum, {mix}, n));
+            receivers.push_back(coefficients ? toReceiver(apertureModel(), sum, n) : settled(MODEL_APERTURE, toReceiver(sum, {mix}, n)));
         }
         return receivers;
     };
@@ -344,7 +344,7 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
                 for (int k = 0; k < MAX_SLOTS; ++k) mix[k] += w * form[k];
                 corners.emplace_back(w, toReceiver(seen.visibility[v], form, p.at.normal));
             }
-            if (model.mixes) corners = {{1.0f, toReceiver(sum, mix, p.at.normal)}};
+            if (model.mixes) corners = {{1.0f, settled(model.id, toReceiver(sum, mix, p.at.normal))}};
             made.receivers.push_back(std::move(corners));
         }
         addRows(ground, made, truth, options, out.rows);

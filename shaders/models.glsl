@@ -37,16 +37,26 @@ const int MAX_SLOTS = 6;
 struct Receiver {
     vec3 normal;      // unit
     vec4 visibility;  // D, A, sr
-    vec4 form[MAX_SLOTS];
+    vec4 form[MAX_SLOTS];  // axes unit: see settled
 };
 
 APERTURA_FN SoftAperture softIn(vec4 slot) { return SoftAperture(vec3(slot), slot.w); }
 
-// Interpolated axes are not unit; where nothing is left of them the normal is the best guess.
-APERTURA_FN Aperture apertureIn(vec4 slot, vec3 normal) {
+APERTURA_FN Aperture apertureIn(vec4 slot) { return Aperture(vec3(slot), slot.w); }
+
+// An axis made unit again; where nothing is left of it the normal is the best guess.
+APERTURA_FN vec4 unitAxis(vec4 slot, vec3 normal) {
     vec3 axis = vec3(slot);
     float squared = dot(axis, axis);
-    return Aperture(squared > 1e-8f ? axis * inversesqrt(squared) : normal, slot.w);
+    return vec4(squared > 1e-8f ? axis * inversesqrt(squared) : normal, slot.w);
+}
+
+// A receiver whose form was interpolated, ready for its model: the axes of apertures have become shorter.
+APERTURA_FN Receiver settled(int model, Receiver receiver) {
+    if (model == MODEL_OAT || model == MODEL_APERTURE || model == MODEL_ALPHA || model == MODEL_ANTI)
+        receiver.form[0] = unitAxis(receiver.form[0], receiver.normal);
+    if (model == MODEL_ANTI) receiver.form[1] = unitAxis(receiver.form[1], receiver.normal);
+    return receiver;
 }
 
 // Visibility averaged over a cap light, from its SH up to band `bands`.
@@ -92,13 +102,13 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
 // E of a cap light at the receiver. `size`: the least of LIGHTS_... that covers it.
 APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, int size) {
     vec3 n = receiver.normal;
-    if (model == MODEL_OAT) return oatLightThroughAperture(n, apertureIn(receiver.form[0], n), light);
-    if (model == MODEL_APERTURE) return lightThroughAperture(n, apertureIn(receiver.form[0], n), light, size);
+    if (model == MODEL_OAT) return oatLightThroughAperture(n, apertureIn(receiver.form[0]), light);
+    if (model == MODEL_APERTURE) return lightThroughAperture(n, apertureIn(receiver.form[0]), light, size);
     if (model == MODEL_ALPHA)
-        return receiver.form[1].x * lightThroughAperture(n, apertureIn(receiver.form[0], n), light, size);
+        return receiver.form[1].x * lightThroughAperture(n, apertureIn(receiver.form[0]), light, size);
     if (model == MODEL_ANTI) {
-        float anti = lightOnSurface(n, light, size) - lightThroughAperture(n, apertureIn(receiver.form[1], n), light, size);
-        return mix(lightThroughAperture(n, apertureIn(receiver.form[0], n), light, size), max(anti, 0.0f), receiver.form[2].x);
+        float anti = lightOnSurface(n, light, size) - lightThroughAperture(n, apertureIn(receiver.form[1]), light, size);
+        return mix(lightThroughAperture(n, apertureIn(receiver.form[0]), light, size), max(anti, 0.0f), receiver.form[2].x);
     }
     if (model == MODEL_SOFT) return lightThroughSoft(n, softIn(receiver.form[0]), light, size);
     if (model == MODEL_SOFT_2 || model == MODEL_FIRM_2) return lightThroughLobes(receiver, 2, light, size);
@@ -108,16 +118,16 @@ APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, 
         return lightThroughQuadric(n, SoftQuadric(vec3(receiver.form[0]), receiver.form[0].w, receiver.form[1], receiver.form[2].x),
                                    light, size);
     if (model == MODEL_CAP_ANTI)
-        return lightThroughTwoCaps(n, apertureIn(receiver.form[0], n), apertureIn(receiver.form[1], n), receiver.form[2].x,
+        return lightThroughTwoCaps(n, apertureIn(receiver.form[0]), apertureIn(receiver.form[1]), receiver.form[2].x,
                                    light, size);
     if (model == MODEL_HORIZON)
         return lightOverHorizon(n, receiver.form[0], receiver.form[1], receiver.form[2], receiver.form[3], light, size);
     float open = lightOnSurface(n, light, size);
     if (model == MODEL_MULTI_2 || model == MODEL_MULTI_3 || model == MODEL_MULTI_4) {
-        float sum = lightThroughAperture(n, apertureIn(receiver.form[0], n), light, size)
-                  + lightThroughAperture(n, apertureIn(receiver.form[1], n), light, size);
-        if (model != MODEL_MULTI_2) sum += lightThroughAperture(n, apertureIn(receiver.form[2], n), light, size);
-        if (model == MODEL_MULTI_4) sum += lightThroughAperture(n, apertureIn(receiver.form[3], n), light, size);
+        float sum = lightThroughAperture(n, apertureIn(receiver.form[0]), light, size)
+                  + lightThroughAperture(n, apertureIn(receiver.form[1]), light, size);
+        if (model != MODEL_MULTI_2) sum += lightThroughAperture(n, apertureIn(receiver.form[2]), light, size);
+        if (model == MODEL_MULTI_4) sum += lightThroughAperture(n, apertureIn(receiver.form[3]), light, size);
         return min(sum, open);
     }
     if (model == MODEL_SH_L1) return open * shVisibility(receiver, light, 1);
@@ -144,7 +154,7 @@ APERTURA_FN float lightThrough(int model, Receiver receiver, CapLight light, int
 // published method and plain occlusion know only the cap, or its area.
 APERTURA_FN float skyThrough(int model, Receiver receiver) {
     if (model == MODEL_OAT) {
-        Aperture aperture = apertureIn(receiver.form[0], receiver.normal);
+        Aperture aperture = apertureIn(receiver.form[0]);
         return 2.0f * PI * aperture.height * max(dot(receiver.normal, aperture.axis), 0.0f);
     }
     if (model == MODEL_UNSHADOWED) return PI;

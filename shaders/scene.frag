@@ -42,6 +42,7 @@ void main() {
             receiver.visibility += weights[c] * vertices[corners[c]].visibility;
             for (uint k = 0; k < slots; ++k) receiver.form[k] += weights[c] * forms[corners[c] * slots + k];
         }
+        receiver = settled(model, receiver);
         lit = lightReceiver(1.0, irradiance, sky);
     } else {
         // Lobes of neighbours need not belong together: the light through each is interpolated instead.
