@@ -10,7 +10,7 @@
 namespace apertura {
 namespace {
 
-constexpr float kCapFirmness = 39;      // of the soft-edged stand-ins that caps are fitted as
+constexpr float kCapFirmness = 60;      // of the soft-edged stand-ins that caps are fitted as, at first      // of the soft-edged stand-ins that caps are fitted as, at first      // of the soft-edged stand-ins that caps are fitted as
 constexpr float kAmbientWeight = 30;    // keeps the sky's light right to about 0.003
 
 Visibility project(const Samples& samples) {

@@ -98,8 +98,8 @@ def cost_charts(rows, radius, folder):
     for column, label, log in costs:
         figure, axes = plt.subplots(figsize=(7.5, 4.6))
         fronts[column] = scatter(axes, table, column, label, log)
-        axes.set_title(f"Error against cost, light radius {radius:g}°, mean over the scenes "
-                       "(red: nothing is both cheaper and better; blue: the truth's own noise)", fontsize=8)
+        axes.set_title(f"Light radius {radius:g}°, mean over the scenes; red: nothing is cheaper and better, "
+                       "blue: the truth's noise", fontsize=8)
         save(figure, folder, "error-" + column.replace("_", "-"))
     return table, fronts
 
