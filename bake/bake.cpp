@@ -94,9 +94,10 @@ void samplePoints(const Tracer& tracer, std::span<const SurfacePoint> points, co
     watch.throwIfStopped();
 }
 
-double priceAt(const Tracer& tracer, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options, double tolerance) {
+double priceAt(const Tracer& tracer, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options, double tolerance,
+               const Progress& progress) {
     std::vector<CandidateErrors> errors(points.size());
-    samplePoints(tracer, points, tools.lattice, options, {}, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+    samplePoints(tracer, points, tools.lattice, options, progress, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
         errors[i] = tryCandidates(tools, samples, frame);
     });
     return priceFor(errors, tolerance);
@@ -105,7 +106,7 @@ double priceAt(const Tracer& tracer, std::span<const SurfacePoint> points, const
 std::vector<BakedPoint> bakePoints(const Tracer& tracer, std::span<const SurfacePoint> points,
                                    const BakeOptions& options, const Progress& progress) {
     const Recipe& recipe = *findRecipe(options.recipe);
-    const FitTools tools(options.rays);
+    const FitTools tools(options.rays, useOf(recipe));
     const FitOptions how{options.tolerance, options.price};
     std::vector<BakedPoint> out(points.size());
     samplePoints(tracer, points, tools.lattice, options, progress, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
@@ -137,8 +138,8 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
     BakeOptions how = options;
     if (options.recipe == "auto") {
         std::vector<SurfacePoint> spread;
-        for (const SpreadPoint& p : spreadReceivers(scene, kPricePoints, options.seed)) spread.push_back(p.at);
-        how.price = priceAt(tracer, spread, FitTools(options.rays), options, options.tolerance);
+        for (const SpreadPoint& p : spreadReceivers(scene, std::min(kPricePoints, int(points.size())), options.seed)) spread.push_back(p.at);
+        how.price = priceAt(tracer, spread, FitTools(options.rays, FitTools::Use::Choice), options, options.tolerance, progress);
     }
     const std::vector<BakedPoint> baked = bakePoints(tracer, points, how, progress);
     const bool stored = findRecipe(options.recipe)->model >= 0;

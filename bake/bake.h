@@ -41,7 +41,7 @@ void samplePoints(const Tracer& tracer, std::span<const SurfacePoint> points, co
                   const std::function<void(size_t, const Samples&, const glm::mat3&)>& use);
 
 // The price at which `auto` keeps its tolerance over these points.
-double priceAt(const Tracer& tracer, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options, double tolerance);
+double priceAt(const Tracer& tracer, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options, double tolerance, const Progress& progress);
 
 // Points as the recipe of the options has them. The result does not depend on the number of threads.
 // Throws Cancelled.

@@ -10,7 +10,7 @@
 namespace apertura {
 namespace {
 
-constexpr float kCapFirmness = 60;      // of the soft-edged stand-ins that caps are fitted as, at first      // of the soft-edged stand-ins that caps are fitted as, at first      // of the soft-edged stand-ins that caps are fitted as
+constexpr float kCapFirmness = 60;    // of the soft-edged stand-ins that caps are fitted as, at first
 constexpr float kAmbientWeight = 30;    // keeps the sky's light right to about 0.003
 
 Visibility project(const Samples& samples) {
@@ -73,7 +73,12 @@ LobeFitOptions firmly(int lobes, float firmness) {
     LobeFitOptions how;
     how.lobes = lobes;
     how.firmness = firmness;
-    if (firmness == kCapFirmness) how.hardened = 120;
+    return how;
+}
+
+LobeFitOptions asCaps(int lobes) {
+    LobeFitOptions how = firmly(lobes, kCapFirmness);
+    how.hardened = 2 * kCapFirmness;
     return how;
 }
 
@@ -85,7 +90,7 @@ vec4 toCap(const vec4& lobe, bool complement) {
 
 // The better of one cap and one anti-cap.
 BakedPoint fittedAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Product, firmly(1, kCapFirmness));
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Product, asCaps(1));
     const vec4 cap = toCap(fit.lobes[0], false);
     const bool anti = cap.w > 1;
     const vec4 own = anti ? vec4(-vec3(cap), 2 - cap.w) : cap;
@@ -94,14 +99,14 @@ BakedPoint fittedAnti(const FitTools& tools, const Samples& samples, const mat3&
 
 template <int K>
 BakedPoint caps(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Inverse, firmly(K, kCapFirmness));
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Inverse, asCaps(K));
     BakedPoint out{project(samples), {}};
     for (int k = 0; k < K; ++k) out.form[k] = toCap(fit.lobes[k], true);
     return out;
 }
 
 BakedPoint capAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, firmly(2, kCapFirmness));
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, asCaps(2));
     return {project(samples), {toCap(fit.lobes[0], false), toCap(fit.lobes[1], false), vec4(fit.inverse, 0, 0, 0)}};
 }
 
@@ -170,7 +175,14 @@ constexpr Recipe kRecipes[] = {
 
 }  // namespace
 
-FitTools::FitTools(int rays) : lattice(rays), dictionary(lattice, 80, 12), probes(makeProbes(lattice)) {}
+FitTools::FitTools(int rays, Use use) : lattice(rays), dictionary(lattice, use == Use::Samples ? 0 : 80, 12) {
+    if (use == Use::Choice) probes = makeProbes(lattice);
+}
+
+FitTools::Use useOf(const Recipe& recipe) {
+    if (recipe.model == MODEL_AUTO) return FitTools::Use::Choice;
+    return recipe.source == "fit" && recipe.model >= 0 ? FitTools::Use::Fits : FitTools::Use::Samples;
+}
 
 std::span<const Recipe> recipes() { return kRecipes; }
 

@@ -15,7 +15,9 @@ struct BakedPoint {
 
 // What fitting keeps from point to point: the lattice, and dictionaries over it.
 struct FitTools {
-    explicit FitTools(int rays);
+    // What of it is needed costs time to make: Samples alone, fits of lobes and caps, or choosing models as well.
+    enum class Use { Samples, Fits, Choice };
+    explicit FitTools(int rays, Use use = Use::Choice);
     SampleLattice lattice;
     CapDictionary dictionary;
     // Lights that judge a model: of each, the samples inside it.
@@ -43,6 +45,9 @@ struct Recipe {
 
 std::span<const Recipe> recipes();
 const Recipe* findRecipe(std::string_view name);
+
+// What of its tools a recipe needs.
+FitTools::Use useOf(const Recipe& recipe);
 
 // Makes the point and turns it to the world.
 BakedPoint makePoint(const Recipe& recipe, const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options);

@@ -13,6 +13,7 @@ namespace {
 
 namespace stdx = std::experimental;
 using Floats = stdx::native_simd<float>;
+static_assert(SampleLattice::kLanes % Floats::size() == 0);
 
 // The sharpest that an edge is made: harder than any mesh can show. Of a quadric, what its bytes can hold.
 template <int M>
@@ -308,7 +309,7 @@ LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFi
         if (sides != LobeFitSides::Both && side != (sides == LobeFitSides::Inverse)) continue;
         std::vector<uint64_t> bits = samples.bits;
         if (side)
-            for (uint64_t& word : bits) word = ~word;
+            for (size_t w = 0; w < bits.size(); ++w) bits[w] = ~bits[w] & samples.lattice->allBits[w];
         std::vector<Arrangement> starts{leaveOutClusters(samples, side, K)};
         for (const std::vector<int>& found : dictionary.nearest(bits, K, options.starts)) {
             Arrangement& caps = starts.emplace_back();
@@ -346,7 +347,7 @@ CapDictionary::CapDictionary(const SampleLattice& lattice, int axes, int heights
     : wordWeight_(lattice.wordWeight), words_(lattice.wordWeight.size()) {
     // Everything, for lobes that have nothing left to do.
     caps_.push_back({{0, 0, 1}, -1.2f});
-    masks_.assign(words_, ~uint64_t(0));
+    masks_ = lattice.allBits;
     for (int a = 0; a < axes; ++a) {
         const double z = 1 - 2 * (a + 0.5) / axes, s = std::sqrt(1 - z * z), turn = a * std::numbers::pi * (3 - std::sqrt(5.0));
         const glm::vec3 axis(s * std::cos(turn), s * std::sin(turn), z);

@@ -21,7 +21,7 @@ struct LobeFitOptions {
     float hardened = 0;      // > firmness: the length that slopes are brought to in the end
     float ambientWeight = 0; // of the squared error of the irradiance from an even sky
     int steps = 40;         // of Levenberg and Marquardt, at most
-    int firstSteps = 6;      // of them from each start; the best start goes on the best start goes on the best start goes on the best start goes on
+    int firstSteps = 6;      // of them from each start; the best goes on to the end the best start goes on the best start goes on the best start goes on
     int starts = 6;         // of the hard-edged arrangements tried first
 };
 

@@ -123,6 +123,17 @@ std::vector<const Model*> modelsOf(const Recipe& recipe, const MeasureOptions& o
     return out;
 }
 
+// Numbers that stand beside the four.
+int storedAt(const Model& model, const Recipe& recipe) { return recipe.model >= 0 ? storedNumbers(model) : 0; }
+
+// The mean of what the models that `auto` chose read.
+double chosenNumbers(const Asset& asset) {
+    double sum = 0, count = 0;
+    for (const SeenByInstance& seen : asset.seen)
+        for (const Form& form : seen.forms) sum += models()[size_t(chosenModel(MODEL_AUTO, form))].numbers, ++count;
+    return sum / std::max(count, 1.0);
+}
+
 const Model& apertureModel() { return models()[MODEL_APERTURE]; }
 
 std::vector<Receiver> receiversFrom(const Ground& ground, const std::vector<Visibility>& visibility) {
@@ -263,10 +274,10 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
         if (auto models = modelsOf(recipe, options); !models.empty()) wanted.emplace_back(&recipe, models);
     const FitTools tools(options.rays);
     FitOptions how{options.tolerance};
-    if (asked(options, models()[MODEL_AUTO])) how.price = priceAt(tracer, points, tools, bake, options.tolerance);
+    if (asked(options, models()[MODEL_AUTO])) how.price = priceAt(tracer, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7));
     std::vector<std::vector<BakedPoint>> baked(wanted.size(), std::vector<BakedPoint>(points.size()));
     std::vector<Visibility> sh(points.size()), rays(points.size()), transfer(points.size());
-    samplePoints(tracer, points, tools.lattice, bake, part(progress, 0.6, 0.95), [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+    samplePoints(tracer, points, tools.lattice, bake, part(progress, 0.7, 0.95), [&](size_t i, const Samples& samples, const glm::mat3& frame) {
         for (size_t k = 0; k < wanted.size(); ++k) baked[k][i] = makePoint(*wanted[k].first, tools, samples, frame, how);
         sh[i] = makePoint(*findRecipe("sh"), tools, samples, frame, how).visibility;
         rays[i] = makePoint(*findRecipe("rays"), tools, samples, frame, how).visibility;
@@ -280,22 +291,24 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
     for (size_t k = 0; k < wanted.size(); ++k) {
         const Recipe& recipe = *wanted[k].first;
         for (const Model* model : wanted[k].second) {
-            Made made{model, std::string(recipe.source), double(model->numbers), double(model->numbers), {}};
-            double chosen = 0, missed = 0;
+            Made made{model, std::string(recipe.source), double(model->numbers), 4.0 + storedAt(*model, recipe), {}};
+            double chosen = 0, bytes = 0, missed = 0;
             for (size_t i = 0; i < points.size(); ++i) {
                 const BakedPoint& p = baked[k][i];
                 const Form* stored = recipe.model >= 0 ? &p.form : nullptr;
                 made.receivers.push_back({{1.0f, toReceiver(p.visibility, toForm(*model, p.visibility, stored, points[i].normal), points[i].normal)}});
                 if (model->id != MODEL_AUTO) continue;
-                chosen += models()[size_t(chosenModel(MODEL_AUTO, p.form))].numbers;
+                const Model& own = models()[size_t(chosenModel(MODEL_AUTO, p.form))];
+                chosen += own.numbers;
+                bytes += storedNumbers(own);
                 missed += p.form[4].z;
             }
             if (model->id == MODEL_AUTO) {
                 made.numbers = chosen / double(points.size());
-                made.bytes = made.numbers + 1;  // and which it is
+                made.bytes = 5 + bytes / double(points.size());  // the four, which it is, and its own
                 out.unreached = missed / double(points.size());
             } else if (recipe.model >= 0 && model->fromVisibility) {
-                made.numbers = made.bytes = storedNumbers(*model);
+                made.numbers = storedNumbers(*model);
             }
             addRows(ground, made, sh, options, out.rows);
         }
@@ -321,11 +334,14 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
     out.scene = asset.scene.name;
     out.receivers = int(points.size());
     for (const SurfacePoint& p : points) out.positions.push_back(p.position);
-    const Model* own = findModel(asset.info.model);
+    const Model* own = storedModel(asset.info);
     for (const Model& model : models()) {
         const bool stored = own == &model;
         if ((!stored && !model.fromVisibility) || !asked(options, model)) continue;
-        Made made{&model, std::string(stored ? "fit" : asset.info.model), double(model.numbers), bytesAPoint(asset), {}};
+        const Recipe* recipe = findRecipe(asset.info.model);
+        Made made{&model, std::string(recipe ? recipe->source : "sh"), double(model.numbers), bytesAPoint(asset), {}};
+        if (stored && model.id == MODEL_AUTO) made.numbers = chosenNumbers(asset);
+        if (stored && model.fromVisibility) made.numbers = storedNumbers(model);
         for (const SpreadPoint& p : ground.points) {
             const Instance& instance = asset.scene.instances[p.instance];
             const Surface& surface = asset.scene.surfaces[instance.surface];
@@ -344,7 +360,7 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
                 for (int k = 0; k < MAX_SLOTS; ++k) mix[k] += w * form[k];
                 corners.emplace_back(w, toReceiver(seen.visibility[v], form, p.at.normal));
             }
-            if (model.mixes) corners = {{1.0f, settled(model.id, toReceiver(sum, mix, p.at.normal))}};
+            if (mayMix(model, stored)) corners = {{1.0f, settled(model.id, toReceiver(sum, mix, p.at.normal))}};
             made.receivers.push_back(std::move(corners));
         }
         addRows(ground, made, truth, options, out.rows);

@@ -25,7 +25,7 @@ struct MeasureRow {
     std::string model;
     std::string source;  // sh, rays or fit
     double numbers = 0;  // a point that the light's formula reads; of `auto`, their mean
-    double bytes = 0;    // a point: of a scene those numbers alone, of an asset all that it stores
+    double bytes = 0;    // a point in an asset of 8 bits: the four numbers and what is stored beside them
     double lightRadius = 0;  // degrees
     double rmse = 0, bias = 0, max = 0;
     double rmsTruth = 0;  // of the truth itself

@@ -27,9 +27,11 @@ SampleLattice::SampleLattice(int rays) : directions_(hemisphereLattice(rays)) {
     std::iota(byHeight.begin(), byHeight.end(), 0);
     std::stable_sort(byHeight.begin(), byHeight.end(), [&](int a, int b) { return directions_[size_t(a)].z > directions_[size_t(b)].z; });
     wordWeight.assign((n + 63) / 64, 0);
+    allBits.assign(wordWeight.size(), 0);
     for (size_t i = 0; i < n; ++i) {
         const float z = directions_[size_t(byHeight[i])].z;
-        wordWeight[i / 64] += z * z / 64;
+        wordWeight[i / 64] += z * z / float(std::min<size_t>(n - i / 64 * 64, 64));
+        allBits[i / 64] |= uint64_t(1) << i % 64;
     }
 }
 

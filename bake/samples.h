@@ -20,14 +20,16 @@ public:
     // Fits compare the model with the samples by patches of neighbours, about 256 of the hemisphere: of 4096
     // rays a patch is as large as a light of 5 degrees. kLanes patches stand side by side: sample m of patch
     // kLanes b + l stands at (b patchSize + m) kLanes + l. The features are 1, x, y, z and the five products
-    // x2-z2, y2-z2, 2xy, 2xz, 2yz; all of them and `place` are 0 where a patch has no sample.
+    // x2-z2, y2-z2, 2xy, 2xz, 2yz; all of them are 0 where a patch has no sample.
     static constexpr int kFeatures = 9, kLanes = 8;
     int patchSize = 1;
     std::vector<float> feature[kFeatures];
-    std::vector<int> place;       // of each of directions()
+    std::vector<int> place;       // where each of directions() stands
 
-    // By falling height, 64 at a time: the order of Samples::bits, and the mean of cos2 in each word.
+    // By falling height, 64 at a time: the order of Samples::bits, what cos2 is on average in each word, and
+    // the bits that stand for a direction.
     std::vector<int> byHeight;
+    std::vector<uint64_t> allBits;
     std::vector<float> wordWeight;
 
 private:

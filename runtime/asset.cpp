@@ -20,6 +20,8 @@ namespace {
 using Document = tinygltf::Model;
 using tinygltf::Value;
 const char* const kAttribute = "_VISIBILITY";
+// Ways to make the four numbers, with nothing stored beside them.
+const char* const kFromFour[] = {"sh", "rays", "sh-fit", "transfer"};
 
 // Appends `bytes` as a view of buffer 0, aligned to 4; returns the view's index.
 int addView(Document& model, const void* bytes, size_t size, int target) {
@@ -218,12 +220,6 @@ Value::Object describe(const BakeInfo& info) {
                                {"hemisphere", Value(info.hemisphere)}};
 }
 
-// The model whose forms the asset stores; nullptr where all is made from the four numbers.
-const Model* findStored(const BakeInfo& info) {
-    const Model* model = findModel(info.model);
-    return model && (model->storedFields > 0 || model->id == MODEL_AUTO) ? model : nullptr;
-}
-
 // The buffer view of each primitive's forms, by mesh and primitive.
 std::map<std::pair<int, int>, int> findStreams(const Document& model) {
     std::map<std::pair<int, int>, int> out;
@@ -231,7 +227,10 @@ std::map<std::pair<int, int>, int> findStreams(const Document& model) {
     if (!forms.IsArray()) return out;
     for (size_t i = 0; i < forms.ArrayLen(); ++i) {
         const Value& entry = forms.Get(int(i));
-        auto index = [&](const char* key) { return entry.IsObject() && entry.Get(key).IsNumber() ? entry.Get(key).GetNumberAsInt() : -1; };
+        auto index = [&](const char* key) { 
+            const double x = entry.IsObject() && entry.Get(key).IsNumber() ? entry.Get(key).GetNumberAsDouble() : -1;
+            return x >= 0 && x < 1e9 ? int(x) : -1;
+        };
         out[{index("mesh"), index("primitive")}] = index("bufferView");
     }
     return out;
@@ -267,7 +266,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
         throw Error(scene.name + ": " + e.what());
     }
     model.asset.generator = "Apertura " + info.version;
-    const Model* stored = findStored(info);
+    const Model* stored = storedModel(info);
     Value::Array streams;
 
     // Of several nodes that share a mesh, all but the first get a copy of its primitives' lists.
@@ -349,6 +348,8 @@ Asset toAsset(Scene scene) {
         asset.info.version = text("version");
         asset.info.scene = text("scene");
         if (!text("model").empty()) asset.info.model = text("model");
+        if (!storedModel(asset.info) && std::find(std::begin(kFromFour), std::end(kFromFour), asset.info.model) == std::end(kFromFour))
+            throw Error(scene.name + ": was baked for a model that is not known here");
         asset.info.rays = int(std::clamp(number("rays", 0), 0.0, 1e9));
         asset.info.seed = uint32_t(std::clamp(number("seed", 0), 0.0, 4294967295.0));
         asset.info.maxDistance = number("maxDistance", 0);
@@ -356,7 +357,7 @@ Asset toAsset(Scene scene) {
         asset.info.hemisphere = text("hemisphere");
         asset.info.tolerance = number("tolerance", 0);
     }
-    const Model* stored = findStored(asset.info);
+    const Model* stored = storedModel(asset.info);
     const std::map<std::pair<int, int>, int> streams = stored ? findStreams(model) : std::map<std::pair<int, int>, int>();
     for (const Instance& instance : scene.instances) {
         const int mesh = model.nodes[instance.node].mesh;
@@ -393,8 +394,15 @@ Asset toAsset(Scene scene) {
 
 Asset readAsset(const std::string& path) { return toAsset(readGltf(path)); }
 
+const Model* storedModel(const BakeInfo& info) {
+    const Model* model = findModel(info.model);
+    return model && (model->storedFields > 0 || model->id == MODEL_AUTO) ? model : nullptr;
+}
+
+bool mayMix(const Model& model, bool stored) { return model.mixes && !(stored && model.fromVisibility); }
+
 double bytesAPoint(const Asset& asset) {
-    const Model* stored = findStored(asset.info);
+    const Model* stored = storedModel(asset.info);
     double numbers = 0, points = 0;
     for (const SeenByInstance& seen : asset.seen) {
         points += double(seen.visibility.size());

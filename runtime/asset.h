@@ -36,6 +36,13 @@ struct Asset {
     BakeInfo info;
 };
 
+// The model whose forms the asset stores; nullptr where all is made from the four numbers.
+const Model* storedModel(const BakeInfo& info);
+
+// Whether a model's forms may be interpolated: as its entry says, but not those of a model that can also be
+// made from the four numbers, which then are of either kind from vertex to vertex.
+bool mayMix(const Model& model, bool stored);
+
 // Bytes that a vertex's visibility takes, on average: the four numbers and what is stored beside them.
 double bytesAPoint(const Asset& asset);
 

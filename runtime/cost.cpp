@@ -1,6 +1,7 @@
 #include "runtime/cost.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -132,9 +133,10 @@ std::vector<double> measuredCosts(const Gpu& gpu, std::span<const CostCase> case
                 vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool, 1);
             });
             uint64_t ticks[2]{};
-            vkGetQueryPoolResults(gpu.device(), pool, 0, 2, sizeof ticks, ticks, sizeof(uint64_t),
-                                  VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
-            least[i] = std::min(least[i], double(ticks[1] - ticks[0]) * gpu.clockTick());
+            check(vkGetQueryPoolResults(gpu.device(), pool, 0, 2, sizeof ticks, ticks, sizeof(uint64_t),
+                                        VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                  "vkGetQueryPoolResults");
+            least[i] = std::min(least[i], std::max(double(ticks[1] - ticks[0]), 1.0) * gpu.clockTick());
         }
     vkDestroyQueryPool(gpu.device(), pool, nullptr);
     return least;

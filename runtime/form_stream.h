@@ -13,7 +13,7 @@
 
 namespace apertura {
 
-// The models that `auto` chooses among, from the least to the largest; of these the first three store nothing.
+// The models that `auto` chooses among, by the place that stands in the asset; the first three store nothing.
 std::span<const int> autoChoices();
 
 // Bytes of the forms, turned by `toLocal` into the frame of the primitive's vertices.

@@ -68,7 +68,7 @@ Renderer::~Renderer() {
 const Renderer::Forms& Renderer::forms(const Model& model) {
     Forms& out = forms_[model.id];
     if (out.bindings) return out;
-    const bool stored = asset_.info.model == model.name;
+    const bool stored = storedModel(asset_.info) == &model;
     if (!stored && !model.fromVisibility)
         throw Error(asset_.scene.name + ": was baked with --model " + asset_.info.model + " and does not hold "
                     + std::string(model.name));
@@ -102,7 +102,7 @@ const Renderer::Forms& Renderer::forms(const Model& model) {
 VkPipeline Renderer::pipeline(const Model& model, int size, const GpuBindings& bindings) {
     VkPipeline& out = pipelines_[{model.id, size}];
     if (out) return out;
-    const Constants<4> constants({model.id, size, model.slots, model.mixes});
+    const Constants<4> constants({model.id, size, model.slots, mayMix(model, storedModel(asset_.info) == &model)});
     const VkPipelineShaderStageCreateInfo stages[] = {
         {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT,
          vertexShader_->handle(), "main", nullptr},

@@ -181,7 +181,7 @@ Form rotateForm(const Model& model, Form form, const mat3& rotation) {
                 form[slot + 1].x = r[1][2];
                 break;
             }
-            case Field::Heights: break;  // about the normal: they turn with it
+            case Field::Heights: break;  // about the normal in the world, whichever way the instance is turned
             case Field::Bands2: rotateBands(&first, 2, rotation); break;
             case Field::Bands4: rotateBands(&first, 4, rotation); break;
         }

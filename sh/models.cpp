@@ -61,7 +61,7 @@ constexpr Model kModels[] = {
     {MODEL_MULTI_3, "multi-3", 9, 3, false, "three apertures", nullptr, {Cap, Cap, Cap}, 3, -1},
     {MODEL_MULTI_4, "multi-4", 12, 4, false, "four apertures", nullptr, {Cap, Cap, Cap, Cap}, 4, -1},
     {MODEL_CAP_ANTI, "cap-anti", 6, 3, false, "two of aperture and anti-aperture", nullptr, {Cap, Cap}, 2, 2},
-    {MODEL_HORIZON, "horizon", 16, 4, true, "horizon at 16 azimuths: the rival", nullptr, {Heights}, 1, -1},
+    {MODEL_HORIZON, "horizon", 16, 4, false, "horizon at 16 azimuths: the rival", nullptr, {Heights}, 1, -1},
     {MODEL_AUTO, "auto", 0, 5, false, "the least model, chosen for each point", nullptr, {}, 0, -1},
 };
 static_assert(std::size(kModels) == MODEL_COUNT);

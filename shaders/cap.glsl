@@ -23,7 +23,7 @@ struct CapLight {
     float angle;          // pseudoAngle(height), and 1 over it
     float inverseAngle;
     float inverseSin;     // 1 over sinRadius
-    float shrink;         // see linkOverMedium (soft.glsl)
+    float shrink;         // see lobeOverMedium (soft.glsl)
     float spread;
 };
 

@@ -150,7 +150,7 @@ APERTURA_FN float lightThrough(int model, Receiver receiver, CapLight light, int
     return lightThroughLobes(receiver, 4, light, size);
 }
 
-// E of a sky of unit radiance all around. From the four numbers it is exactly dot(normal, D); the
+// E of a sky of unit radiance all around. It is exactly dot(normal, D), which every asset has; the
 // published method and plain occlusion know only the cap, or its area.
 APERTURA_FN float skyThrough(int model, Receiver receiver) {
     if (model == MODEL_OAT) {

@@ -220,7 +220,7 @@ TEST(Cli, AssetsPassTheKhronosValidator) {
 TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
     const Folder folder;
     const std::string obj = folder.write("box.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -1 2 -1\nv 1 2 -1\nf 1 2 3\nf 1 3 4\nf 4 3 6\nf 4 6 5\n");
-    for (const char* model : {"sh-fit", "anti", "cap-anti", "multi-3", "soft-2", "soft-l2", "firm-4", "sh-l2", "sh-l4", "horizon", "transfer", "auto"}) {
+    for (const char* model : {"sh-fit", "anti", "soft-2", "soft-l2", "sh-l4", "horizon", "auto"}) {
         const std::string glb = folder / (std::string(model) + ".glb");
         Result r = run("bake " + obj + " -o " + glb + " --rays 64 --model " + model);
         ASSERT_EQ(r.code, 0) << model << r.error;
@@ -243,7 +243,16 @@ TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
         r = run("compare " + glb + " --receivers 8 --light-radii 5 --models " + (stored ? model : "soft"));
         EXPECT_EQ(r.code, 0) << model << r.error;
     }
-    expectRefusal("render " + (folder / "soft-2.glb") + " -o " + (folder / "q.png") + " --model firm-4", 1, "does not hold firm-4");
+    expectRefusal("render " + (folder / "soft-2.glb") + " -o " + (folder / "q.png") + " --model horizon", 1, "does not hold horizon");
+    // A name in the file that promises what it does not hold.
+    for (const auto& [said, expected] : {std::pair("soft", 1), std::pair("firm-2", 1), std::pair("nobody", 1)}) {
+        std::string bytes = slurp(folder / "soft-2.glb");
+        const std::string from = "\"model\":\"soft-2\"", to = std::string("\"model\":\"") + said + "\"";
+        const size_t at = bytes.find(from);
+        ASSERT_NE(at, std::string::npos);
+        bytes.replace(at, from.size(), to + std::string(from.size() - to.size(), ' '));
+        expectRefusal("compare " + folder.write("lie.glb", bytes) + " --receivers 4 --light-radii 5", expected, "lie.glb");
+    }
     EXPECT_FALSE(fs::exists(folder / "q.png"));
 }
 
@@ -303,6 +312,9 @@ TEST(Cli, ChartLeavesATableAndAPageThatSortsInABrowser) {
 }
 
 TEST(Cli, ChartWithoutMatplotlibStillLeavesTheTable) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the test before it runs the same code";
+#endif
     const Folder folder;
     const std::string said = chart(folder, "APERTURA_PYTHON='/usr/bin/python3 -S'");  // without any package
     EXPECT_EQ(said[0], '1') << said;

@@ -92,7 +92,7 @@ def save(figure, folder, stem):
 def cost_charts(rows, radius, folder):
     table = means(rows, radius)
     costs = [("cycles_navi21", "cycles above N·L, RDNA2 (navi21)", False), ("cycles_polaris10", "cycles above N·L, GCN4 (polaris10)", False),
-             ("bytes", "bytes a vertex, one a number", False), ("time_ratio", "time on this machine's device / N·L", False),
+             ("bytes", "bytes a vertex in the asset, 8 bits a number", False), ("time_ratio", "time on this machine's device / N·L", False),
              ("bake_ratio", "bake time / four SH coefficients, 256 rays", True)]
     fronts = {}
     for column, label, log in costs:

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "bake/isolated.h"
@@ -38,10 +39,12 @@ struct Costs {
     std::string device;
 };
 
-std::vector<CostCase> allCases() {
+// N.L first; all models where none is asked for.
+std::vector<CostCase> casesOf(const std::vector<const Model*>& asked) {
     std::vector<CostCase> out;
     for (const Model& model : models())
-        for (int size : kSizes) out.push_back({model.id, size});
+        if (model.id == MODEL_UNSHADOWED || asked.empty() || std::find(asked.begin(), asked.end(), &model) != asked.end())
+            for (int size : kSizes) out.push_back({model.id, size});
     return out;
 }
 
@@ -56,7 +59,7 @@ std::string radeonDriver() {
 }
 
 // In a process of its own: the driver looks for its orders in the environment, and there is no such device.
-std::vector<CompiledCost> costsOn(const char* family) {
+std::vector<CompiledCost> costsOn(const char* family, const std::vector<CostCase>& cases) {
     const std::string driver = radeonDriver();
     if (driver.empty()) throw Error("Mesa's driver for Radeons (RADV) is not installed");
     Parcel parcel = runIsolated("RADV", 120, [&](Parcel& out) {
@@ -64,17 +67,16 @@ std::vector<CompiledCost> costsOn(const char* family) {
         setenv("VK_DRIVER_FILES", driver.c_str(), 1);
         setenv("RADV_FORCE_FAMILY", family, 1);
         const Gpu gpu({.statistics = true});
-        out.put(compiledCosts(gpu, allCases()));
+        out.put(compiledCosts(gpu, cases));
     });
     return parcel.take<CompiledCost>();
 }
 
-Costs measureCosts() {
+Costs measureCosts(const std::vector<CostCase>& cases) {
     Costs out;
-    const std::vector<CostCase> cases = allCases();
     try {
         for (const char* family : kFamilies) {
-            const std::vector<CompiledCost> costs = costsOn(family);
+            const std::vector<CompiledCost> costs = costsOn(family, cases);
             for (size_t i = 0; i < cases.size(); ++i) {
                 const size_t base = i % std::size(kSizes);  // models()[0] is N.L alone
                 out.cycles[family][{cases[i].model, cases[i].size}] = costs[i].cycles - costs[base].cycles;
@@ -101,11 +103,11 @@ Costs measureCosts() {
 struct BakeCost {
     double ratio, pointsPerSecond;
 };
-std::map<std::string, BakeCost> measureBaking(const Scene& scene, uint32_t seed) {
+std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureOptions& measure) {
     using Clock = std::chrono::steady_clock;
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
-    for (const SpreadPoint& p : spreadReceivers(scene, 100, seed)) points.push_back(p.at);
+    for (const SpreadPoint& p : spreadReceivers(scene, 100, measure.seed)) points.push_back(p.at);
     BakeOptions options;
     options.threads = 1;
     const FitTools tools(options.rays);
@@ -118,6 +120,9 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, uint32_t seed)
     std::map<std::string, BakeCost> out;
     double plain = 0;
     for (const Recipe& recipe : recipes()) {
+        const bool asked = recipe.model < 0 || measure.models.empty()
+                        || std::find(measure.models.begin(), measure.models.end(), &models()[size_t(recipe.model)]) != measure.models.end();
+        if (!asked) continue;
         const auto from = Clock::now();
         for (const auto& [s, frame] : samples) makePoint(recipe, tools, s, frame, how);
         const double fitting = std::chrono::duration<double>(Clock::now() - from).count();
@@ -193,32 +198,31 @@ void run(Arguments a) {
         }
     if (a.scenes.empty())
         for (const std::string& name : builtinNames()) a.scenes.push_back("builtin:" + name);
+    dropRepeats(a.measure.lightRadii);
+    std::vector<Scene> scenes;
+    for (const std::string& name : a.scenes) scenes.push_back(loadScene(name, a.map));
     std::error_code failed;
     std::filesystem::create_directories(a.out, failed);
     if (failed || !std::filesystem::is_directory(a.out)) throw Error(a.out + ": is not a folder, and cannot be made one");
     const std::string csv = a.out + "/models.csv", maps = a.out + "/maps.csv", about = a.out + "/about.json";
     PendingFile(csv.c_str());  // says now that it cannot be written
 
-    const Costs costs = measureCosts();
+    const Costs costs = measureCosts(casesOf(a.measure.models));
     std::vector<Measurement> all;
     std::map<std::string, BakeCost> baking;
     {
         ProgressBar bar("charting");
         const Progress progress = bar.callback();
-        for (size_t i = 0; i < a.scenes.size(); ++i) {
-            const Scene scene = loadScene(a.scenes[i], a.map);
-            if (baking.empty()) baking = measureBaking(scene, a.measure.seed);
-            all.push_back(measureScene(scene, a.measure, [&](double share) {
-                return progress((double(i) + share) / double(a.scenes.size()));
+        baking = measureBaking(scenes[0], a.measure);
+        for (size_t i = 0; i < scenes.size(); ++i)
+            all.push_back(measureScene(scenes[i], a.measure, [&](double share) {
+                return progress((double(i) + share) / double(scenes.size()));
             }));
-        }
     }
     if (interrupted()) throw Cancelled{};
     writeTextFile(csv, toCsv(all, costs, baking));
     writeTextFile(maps, toMaps(all));
-    std::ostringstream json;
-    json << "{\"version\": \"" APERTURA_VERSION "\", \"receivers\": " << all[0].receivers << ", \"device\": \"" << costs.device << "\"}\n";
-    writeTextFile(about, json.str());
+    writeTextFile(about, nlohmann::ordered_json{{"version", APERTURA_VERSION}, {"receivers", all[0].receivers}, {"device", costs.device}}.dump() + "\n");
     // The pictures are matplotlib's; it says itself what it lacks.
     std::fflush(stdout);
     const char* const python = std::getenv("APERTURA_PYTHON");

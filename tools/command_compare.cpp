@@ -89,6 +89,7 @@ void run(Arguments a) {
             a.measure.models.push_back(model);
         }
     }
+    dropRepeats(a.measure.lightRadii);
     refuseToReplaceInput(a.scene, a.json);
     if (!a.json.empty()) PendingFile(a.json);  // says now that it cannot be written
     Measurement result;
@@ -103,7 +104,7 @@ void run(Arguments a) {
             result = measureScene(scene, a.measure, bar.callback());
         }
     }
-    if (!a.json.empty()) writeTextFile(a.json, toJson(result).dump(2) + "\n");
+    if (!a.json.empty()) writeTextFile(a.json, toJson(result).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     print(result, a.measure.lightRadii);
 }
 

@@ -114,7 +114,7 @@ void addInfoCommand(CLI::App& program) {
     command.callback([a] {
         const auto description = describe(a->file);
         if (a->json)
-            std::printf("%s\n", description.dump(2).c_str());
+            std::printf("%s\n", description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
         else
             print(description);
     });

@@ -18,6 +18,9 @@ void addChartCommand(CLI::App& program);
 // --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes.
 void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);
 
+// Keeps the first of equal numbers.
+void dropRepeats(std::vector<double>& numbers);
+
 // The names of all visibility models, with commas.
 std::string modelNames();
 

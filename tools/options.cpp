@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -18,6 +19,13 @@ CLI::Validator finiteRange(double low, double high) {
             return inside ? std::string() : message.str();
         },
         "");
+}
+
+void dropRepeats(std::vector<double>& numbers) {
+    std::vector<double> kept;
+    for (double x : numbers)
+        if (std::find(kept.begin(), kept.end(), x) == kept.end()) kept.push_back(x);
+    numbers = kept;
 }
 
 std::string modelNames() {
