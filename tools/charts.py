@@ -260,7 +260,7 @@ def markdown(rows, table, fronts, folder, radius, about, date):
     lines = ["# Error against cost", "",
              f"Made by `apertura chart` {about['version']} on {date}, {about['receivers']} receivers a scene. RMSE of E / (L π sin²r), "
              "mean over the scenes; cycles above N·L as Mesa's compiler states them.", "",
-             "![error against cycles](error-cycles-navi21.png)", "",
+             "![error against cycles](error-cycles-navi21.png)", "", "![error by scene](scenes.png)", "",
              "| model | numbers | " + " | ".join(f"{r:g}°" for r in radii) + " | sky | cycles RDNA2 | GCN4 | bake / sh |",
              "|---|---|" + "---|" * (len(radii) + 4)]
     for model, row in table.items():
