@@ -142,7 +142,7 @@ std::vector<Receiver> receiversFrom(const Ground& ground, const std::vector<Visi
     return out;
 }
 
-Aperture apertureOf(const Receiver& receiver) { return apertureIn(receiver.form[0]); }
+Aperture apertureOf(const Receiver& receiver) { return makeAperture(vec3(receiver.form[0]), receiver.form[0].w); }
 
 PathRow comparePath(const Ground& ground, const std::string& stage, const std::string& source,
                     const std::vector<Receiver>& reference, const std::vector<Receiver>& changed) {
@@ -189,7 +189,7 @@ Receiver apertureThroughBytes(Receiver receiver) {
     a.axis = glm::normalize(a.axis);
     const float radius = (throughByte(capRadius(a.height) * 4 / PI - 1, 1) + 1) * PI / 4;
     receiver.form[0] = vec4(a.axis, 1 - std::cos(radius));
-    return receiver;
+    return settled(MODEL_APERTURE, receiver);
 }
 
 std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, const Ground& ground,

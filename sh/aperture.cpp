@@ -7,7 +7,7 @@ Aperture toAperture(const Visibility& any, const vec3& normal) {
     const float length = glm::length(v.direction);
     // Under a thousandth of the area the direction is noise of the projection, not a direction.
     const vec3 axis = length > 1e-3f * v.area ? v.direction / length : normal;
-    return {axis, v.area / (2 * PI)};
+    return makeAperture(axis, v.area / (2 * PI));
 }
 
 }  // namespace apertura

@@ -13,7 +13,10 @@ Form nothing(const Visibility&, const vec3&) { return {}; }
 
 vec4 slotOf(const Aperture& a) { return vec4(a.axis, a.height); }
 
-Form oneCap(const Visibility& v, const vec3& normal) { return {slotOf(toAperture(v, normal))}; }
+Form oneCap(const Visibility& v, const vec3& normal) {
+    const Aperture a = toAperture(v, normal);
+    return {slotOf(a), vec4(0, 0, a.angle)};
+}
 
 // The cap of uniform opacity with all four numbers: its height from |D| / A, which is 1 - height / 2.
 Form alphaCap(const Visibility& v, const vec3& normal) {
@@ -21,7 +24,7 @@ Form alphaCap(const Visibility& v, const vec3& normal) {
     const float share = v.area > 0 ? length(v.direction) / v.area : 1;
     const float area = a.height;
     a.height = std::clamp(2 - 2 * share, area, 2.0f);
-    return {slotOf(a), vec4(a.height > 0 ? area / a.height : 0, 0, 0, 0)};
+    return {slotOf(a), vec4(a.height > 0 ? area / a.height : 0, 0, anglesOf(a.height))};
 }
 
 // The cap and the anti-cap of the blocked part, weighed by which of the two is nearer to being a cap.
@@ -32,7 +35,8 @@ Form capAndAnti(const Visibility& v, const vec3& normal) {
     };
     const float open = deficit(v), closed = deficit(blocked);
     const float sum = open + closed;
-    return {slotOf(toAperture(v, normal)), slotOf(toAperture(blocked, normal)), vec4(sum > 1e-6f ? open / sum : 0, 0, 0, 0)};
+    const Aperture cap = toAperture(v, normal), anti = toAperture(blocked, normal);
+    return {slotOf(cap), slotOf(anti), vec4(sum > 1e-6f ? open / sum : 0, 0, 0, 0), vec4(cap.angle, anti.angle)};
 }
 
 Form oneLobe(const Visibility& v, const vec3& normal) {
@@ -48,19 +52,19 @@ constexpr Model kModels[] = {
     {MODEL_SH_L2, "sh-l2", 9, 2, true, "SH bands 0 to 2", nullptr, {Bands2}, 1, -1},
     {MODEL_SH_L4, "sh-l4", 25, 6, true, "SH bands 0 to 4", nullptr, {Bands4}, 1, -1},
     {MODEL_OAT, "oat", 3, 1, true, "aperture, formula as published in 2006", oneCap, {}, 0, -1},
-    {MODEL_APERTURE, "aperture", 3, 1, true, "aperture, exact overlap of caps within 0.003", oneCap, {}, 0, -1},
+    {MODEL_APERTURE, "aperture", 3, 2, true, "aperture, exact overlap of caps within 0.003", oneCap, {}, 0, -1},
     {MODEL_ALPHA, "alpha", 4, 2, true, "translucent aperture with all four numbers", alphaCap, {}, 0, -1},
-    {MODEL_ANTI, "anti", 4, 3, true, "aperture, anti-aperture or a blend of both", capAndAnti, {Cap}, 1, 2},
+    {MODEL_ANTI, "anti", 4, 4, true, "aperture, anti-aperture or a blend of both", capAndAnti, {Cap}, 1, 2},
     {MODEL_SOFT, "soft", 4, 1, true, "soft-edged aperture, uses all four numbers", oneLobe, {}, 0, -1},
     {MODEL_FIRM_2, "firm-2", 6, 3, false, "two hard-edged lobes", nullptr, {FirmLobe, FirmLobe}, 2, 2},
     {MODEL_SOFT_2, "soft-2", 8, 3, false, "two soft lobes", nullptr, {Lobe, Lobe}, 2, 2},
     {MODEL_SOFT_L2, "soft-l2", 9, 3, true, "soft aperture with a quadratic exponent", nullptr, {Lobe, Bend}, 2, -1},
     {MODEL_FIRM_3, "firm-3", 9, 4, false, "three hard-edged lobes", nullptr, {FirmLobe, FirmLobe, FirmLobe}, 3, 3},
     {MODEL_FIRM_4, "firm-4", 12, 5, false, "four hard-edged lobes", nullptr, {FirmLobe, FirmLobe, FirmLobe, FirmLobe}, 4, 4},
-    {MODEL_MULTI_2, "multi-2", 6, 2, false, "two apertures", nullptr, {Cap, Cap}, 2, -1},
-    {MODEL_MULTI_3, "multi-3", 9, 3, false, "three apertures", nullptr, {Cap, Cap, Cap}, 3, -1},
-    {MODEL_MULTI_4, "multi-4", 12, 4, false, "four apertures", nullptr, {Cap, Cap, Cap, Cap}, 4, -1},
-    {MODEL_CAP_ANTI, "cap-anti", 6, 3, false, "two of aperture and anti-aperture", nullptr, {Cap, Cap}, 2, 2},
+    {MODEL_MULTI_2, "multi-2", 6, 3, false, "two apertures", nullptr, {Cap, Cap}, 2, -1},
+    {MODEL_MULTI_3, "multi-3", 9, 5, false, "three apertures", nullptr, {Cap, Cap, Cap}, 3, -1},
+    {MODEL_MULTI_4, "multi-4", 12, 6, false, "four apertures", nullptr, {Cap, Cap, Cap, Cap}, 4, -1},
+    {MODEL_CAP_ANTI, "cap-anti", 6, 4, false, "two of aperture and anti-aperture", nullptr, {Cap, Cap}, 2, 2},
     {MODEL_HORIZON, "horizon", 16, 4, false, "horizon at 16 azimuths: the rival", nullptr, {Heights}, 1, -1},
     {MODEL_AUTO, "auto", 0, 5, false, "the least model, chosen for each point", nullptr, {}, 0, -1},
 };
@@ -81,11 +85,34 @@ const Model* findModel(std::string_view name) {
     return nullptr;
 }
 
+namespace {
+
+// The angles of stored caps, in the slots behind them where models.glsl looks for them.
+Form withAngles(const Model& model, Form form) {
+    int caps = 0;
+    while (caps < model.storedFields && model.stored[size_t(caps)] == Cap) ++caps;
+    const int behind = model.inverseSlot >= 0 ? model.inverseSlot + 1 : caps;
+    for (int k = 0; k < caps; ++k) {
+        const float height = form[size_t(k)].w;
+        // Of a product of caps, the complement of one over a hemisphere is what is evaluated.
+        const vec2 angle = anglesOf(model.id == MODEL_CAP_ANTI ? std::min(height, 2 - height) : height);
+        vec4& slot = form[size_t(behind + k / 2)];
+        (k % 2 ? slot.z : slot.x) = angle.x;
+        (k % 2 ? slot.w : slot.y) = angle.y;
+    }
+    return form;
+}
+
+}  // namespace
+
 Form toForm(const Model& model, const Visibility& visibility, const Form* stored, const vec3& normal) {
     if (!stored) return model.fromVisibility ? model.fromVisibility(visibility, normal) : Form{};
-    if (model.id == MODEL_ANTI) return {(*stored)[0], (*stored)[0], (*stored)[2]};
+    if (model.id == MODEL_ANTI) {
+        const vec2 angle = anglesOf((*stored)[0].w);
+        return {(*stored)[0], (*stored)[0], (*stored)[2], vec4(angle, angle)};
+    }
     const Model& chosen = kModels[chosenModel(model.id, *stored)];
-    if (!chosen.fromVisibility) return *stored;
+    if (!chosen.fromVisibility) return withAngles(chosen, *stored);
     Form out = chosen.fromVisibility(visibility, normal);
     out[4] = (*stored)[4];
     return out;

@@ -7,7 +7,16 @@
 struct Aperture {
     vec3 axis;     // unit
     float height;  // 1 - cos(radius) = area / 2 pi: 0 closed, 1 a hemisphere, 2 everything
+    vec2 angle;    // anglesOf(height), made once with it
 };
+
+// The pseudo-angle of a cap and 1 over it.
+APERTURA_FN vec2 anglesOf(float height) {
+    float angle = pseudoAngle(clamp(height, 0.0f, 2.0f));
+    return vec2(angle, 1.0f / max(angle, 1e-5f));
+}
+
+APERTURA_FN Aperture makeAperture(vec3 axis, float height) { return Aperture(axis, height, anglesOf(height)); }
 
 // Radius of a cap of this height, radians, within 1e-7: acos(1 - height) after Abramowitz and Stegun,
 // "Handbook of Mathematical Functions", 1964, 4.4.46. The built-in acos differs between devices.
@@ -59,9 +68,8 @@ APERTURA_FN float lightThroughAperture(vec3 normal, Aperture aperture, CapLight 
     if (size == LIGHTS_SMALL) return lightOnSurface(normal, light, size) * chordShare(aperture, light);
     float h0 = aperture.height;
     float h1 = light.height;
-    float root = inversesqrt(max(h0, 1e-10f));
-    float R = h0 * root * (1.3946f + 0.233f * h0);
-    float inverseR = root * (0.717f - 0.1198f * h0 + 0.02f * h0 * h0);
+    float R = aperture.angle.x;
+    float inverseR = aperture.angle.y;
     float r = light.angle;
     float hd = max(1.0f - dot(aperture.axis, light.axis), 1e-7f);
     float rootD = inversesqrt(hd);
@@ -85,11 +93,11 @@ APERTURA_FN float lightThroughAperture(vec3 normal, Aperture aperture, CapLight 
 }
 
 // The share of a light inside an aperture of any height: one over a hemisphere is what its complement
-// leaves.
+// leaves; its angles are that one's already.
 APERTURA_FN float apertureShare(vec3 normal, Aperture aperture, CapLight light, int size) {
     if (size == LIGHTS_SMALL) return chordShare(aperture, light);
     bool large = aperture.height > 1.0f;
-    Aperture cap = Aperture(large ? -aperture.axis : aperture.axis, large ? 2.0f - aperture.height : aperture.height);
+    Aperture cap = Aperture(large ? -aperture.axis : aperture.axis, large ? 2.0f - aperture.height : aperture.height, aperture.angle);
     float share = clamp(lightThroughAperture(normal, cap, light, size) / max(lightAboveHorizon(normal, light), 1e-12f), 0.0f, 1.0f);
     return large ? 1.0f - share : share;
 }

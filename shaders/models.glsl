@@ -42,7 +42,7 @@ struct Receiver {
 
 APERTURA_FN SoftAperture softIn(vec4 slot) { return SoftAperture(vec3(slot), slot.w); }
 
-APERTURA_FN Aperture apertureIn(vec4 slot) { return Aperture(vec3(slot), slot.w); }
+APERTURA_FN Aperture apertureIn(vec4 slot, vec2 angle) { return Aperture(vec3(slot), slot.w, angle); }
 
 // An axis made unit again; where nothing is left of it the normal is the best guess.
 APERTURA_FN vec4 unitAxis(vec4 slot, vec3 normal) {
@@ -51,11 +51,18 @@ APERTURA_FN vec4 unitAxis(vec4 slot, vec3 normal) {
     return vec4(squared > 1e-8f ? axis * inversesqrt(squared) : normal, slot.w);
 }
 
-// A receiver whose form was interpolated, ready for its model: the axes of apertures have become shorter.
+// A receiver whose form was interpolated, ready for its model: the axes of apertures have become shorter, and
+// their angles are made anew.
 APERTURA_FN Receiver settled(int model, Receiver receiver) {
     if (model == MODEL_OAT || model == MODEL_APERTURE || model == MODEL_ALPHA || model == MODEL_ANTI)
         receiver.form[0] = unitAxis(receiver.form[0], receiver.normal);
     if (model == MODEL_ANTI) receiver.form[1] = unitAxis(receiver.form[1], receiver.normal);
+    vec2 angle = anglesOf(receiver.form[0].w);
+    if (model == MODEL_APERTURE || model == MODEL_ALPHA) receiver.form[1] = vec4(receiver.form[1].x, 0.0f, angle.x, angle.y);
+    if (model == MODEL_ANTI) {
+        vec2 other = anglesOf(receiver.form[1].w);
+        receiver.form[3] = vec4(angle.x, angle.y, other.x, other.y);
+    }
     return receiver;
 }
 
@@ -102,13 +109,18 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
 // E of a cap light at the receiver. `size`: the least of LIGHTS_... that covers it.
 APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, int size) {
     vec3 n = receiver.normal;
-    if (model == MODEL_OAT) return oatLightThroughAperture(n, apertureIn(receiver.form[0]), light);
-    if (model == MODEL_APERTURE) return lightThroughAperture(n, apertureIn(receiver.form[0]), light, size);
-    if (model == MODEL_ALPHA)
-        return receiver.form[1].x * lightThroughAperture(n, apertureIn(receiver.form[0]), light, size);
+    vec2 zero = vec2(0.0f, 0.0f);  // the published formula has angles of its own
+    if (model == MODEL_OAT) return oatLightThroughAperture(n, apertureIn(receiver.form[0], zero), light);
+    // Where the angles of the caps stand: sh/models.cpp puts them there.
+    if (model == MODEL_APERTURE || model == MODEL_ALPHA) {
+        float e = lightThroughAperture(n, apertureIn(receiver.form[0], vec2(receiver.form[1].z, receiver.form[1].w)), light, size);
+        return model == MODEL_ALPHA ? receiver.form[1].x * e : e;
+    }
     if (model == MODEL_ANTI) {
-        float anti = lightOnSurface(n, light, size) - lightThroughAperture(n, apertureIn(receiver.form[1]), light, size);
-        return mix(lightThroughAperture(n, apertureIn(receiver.form[0]), light, size), max(anti, 0.0f), receiver.form[2].x);
+        vec4 angles = receiver.form[3];
+        float cap = lightThroughAperture(n, apertureIn(receiver.form[0], vec2(angles.x, angles.y)), light, size);
+        float anti = lightOnSurface(n, light, size) - lightThroughAperture(n, apertureIn(receiver.form[1], vec2(angles.z, angles.w)), light, size);
+        return mix(cap, max(anti, 0.0f), receiver.form[2].x);
     }
     if (model == MODEL_SOFT) return lightThroughSoft(n, softIn(receiver.form[0]), light, size);
     if (model == MODEL_SOFT_2 || model == MODEL_FIRM_2) return lightThroughLobes(receiver, 2, light, size);
@@ -118,16 +130,20 @@ APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, 
         return lightThroughQuadric(n, SoftQuadric(vec3(receiver.form[0]), receiver.form[0].w, receiver.form[1], receiver.form[2].x),
                                    light, size);
     if (model == MODEL_CAP_ANTI)
-        return lightThroughTwoCaps(n, apertureIn(receiver.form[0]), apertureIn(receiver.form[1]), receiver.form[2].x,
-                                   light, size);
+        return lightThroughTwoCaps(n, apertureIn(receiver.form[0], vec2(receiver.form[3].x, receiver.form[3].y)),
+                                   apertureIn(receiver.form[1], vec2(receiver.form[3].z, receiver.form[3].w)),
+                                   receiver.form[2].x, light, size);
     if (model == MODEL_HORIZON)
         return lightOverHorizon(n, receiver.form[0], receiver.form[1], receiver.form[2], receiver.form[3], light, size);
     float open = lightOnSurface(n, light, size);
     if (model == MODEL_MULTI_2 || model == MODEL_MULTI_3 || model == MODEL_MULTI_4) {
-        float sum = lightThroughAperture(n, apertureIn(receiver.form[0]), light, size)
-                  + lightThroughAperture(n, apertureIn(receiver.form[1]), light, size);
-        if (model != MODEL_MULTI_2) sum += lightThroughAperture(n, apertureIn(receiver.form[2]), light, size);
-        if (model == MODEL_MULTI_4) sum += lightThroughAperture(n, apertureIn(receiver.form[3]), light, size);
+        int count = model == MODEL_MULTI_2 ? 2 : (model == MODEL_MULTI_3 ? 3 : 4);
+        float sum = 0.0f;
+        for (int k = 0; k < count; ++k) {
+            vec4 angles = receiver.form[count + k / 2];
+            vec2 angle = (k & 1) == 0 ? vec2(angles.x, angles.y) : vec2(angles.z, angles.w);
+            sum += lightThroughAperture(n, apertureIn(receiver.form[k], angle), light, size);
+        }
         return min(sum, open);
     }
     if (model == MODEL_SH_L1) return open * shVisibility(receiver, light, 1);
@@ -154,7 +170,7 @@ APERTURA_FN float lightThrough(int model, Receiver receiver, CapLight light, int
 // published method and plain occlusion know only the cap, or its area.
 APERTURA_FN float skyThrough(int model, Receiver receiver) {
     if (model == MODEL_OAT) {
-        Aperture aperture = apertureIn(receiver.form[0]);
+        Aperture aperture = makeAperture(vec3(receiver.form[0]), receiver.form[0].w);
         return 2.0f * PI * aperture.height * max(dot(receiver.normal, aperture.axis), 0.0f);
     }
     if (model == MODEL_UNSHADOWED) return PI;

@@ -44,7 +44,7 @@ inline CapLight capLight(const glm::dvec3& axis, double radius) {
 
 inline Aperture capAperture(const glm::dvec3& axis, double radius) {
     const double half = std::sin(radius / 2);
-    return {vec3(axis), float(2 * half * half)};
+    return makeAperture(vec3(axis), float(2 * half * half));
 }
 
 // E / (pi sin^2 r) of a cap light, in float32, and exactly.
