@@ -91,7 +91,8 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
 TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
     // The formula against brute force over the light's disc, for soft apertures of all kinds.
     Random random(27);
-    double sum = 0, worst = 0;
+    double sum = 0, worst = 0, classSum[3]{};  // by the class of light that a renderer takes
+    int classCount[3]{};
     const int trials = 3000, rings = 24, turns = 48;
     const dvec3 n(0, 0, 1);
     for (int i = 0; i < trials; ++i) {
@@ -117,9 +118,16 @@ TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
         const double error = normalised(lightThroughSoft(vec3(n), soft, capLight(axis, r), LIGHTS_ANY), r) - e;
         sum += error * error;
         worst = std::max(worst, std::abs(error));
+        const int size = lightsOf(float(std::sin(r)));
+        classSum[size] += std::pow(normalised(lightThroughSoft(vec3(n), soft, capLight(axis, r), size), r) - e, 2);
+        ++classCount[size];
     }
     std::printf("soft light against brute force: rms %.4f max %.4f\n", std::sqrt(sum / trials), worst);
-    EXPECT_LE(std::sqrt(sum / trials), 0.014);
+    EXPECT_LE(std::sqrt(sum / trials), 0.010);
+    for (const auto& [size, most] : {std::pair(LIGHTS_SMALL, 0.008), std::pair(LIGHTS_MEDIUM, 0.012)}) {
+        std::printf("  lights of class %d: rms %.4f\n", size, std::sqrt(classSum[size] / classCount[size]));
+        EXPECT_LE(std::sqrt(classSum[size] / classCount[size]), most);
+    }
     EXPECT_LE(worst, 0.15);
 }
 
