@@ -73,11 +73,13 @@ LobeFitOptions firmly(int lobes, float firmness) {
     LobeFitOptions how;
     how.lobes = lobes;
     how.firmness = firmness;
+    how.pairs = true;
     return how;
 }
 
 LobeFitOptions asCaps(int lobes) {
     LobeFitOptions how = firmly(lobes, kCapFirmness);
+    how.pairs = false;
     how.hardened = 2 * kCapFirmness;
     return how;
 }
@@ -116,6 +118,7 @@ BakedPoint lobes(const FitTools& tools, const Samples& samples, const mat3&, con
     BakedPoint out{project(samples), {}};
     for (int k = 0; k < K; ++k) out.form[k] = fit.lobes[k];
     out.form[K].x = fit.inverse ? 1 : 0;
+    out.form[K].w = float(fit.pairs);
     return out;
 }
 

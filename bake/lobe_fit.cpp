@@ -4,26 +4,24 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <experimental/simd>
 #include <numbers>
 #include <numeric>
 
+#include "bake/lobe_sums.h"
+#include "sh/shading.h"
+
 namespace apertura {
 namespace {
-
-namespace stdx = std::experimental;
-using Floats = stdx::native_simd<float>;
-static_assert(SampleLattice::kLanes % Floats::size() == 0);
 
 // The sharpest that an edge is made: harder than any mesh can show. Of a quadric, what its bytes can hold.
 template <int M>
 constexpr float kSlopeLimit = M == 4 ? 500 : 60;
 constexpr double kSlopeCost = 1e-10;  // keeps lobes that nothing in the samples bounds from running away
 
-// Solves A x = b for symmetric positive definite A by Cholesky's method; false where it is not.
+// Solves A x = b by Cholesky's method, from A's lower half; false where A is not positive definite.
 template <int N>
-bool solve(std::array<std::array<double, N>, N> a, std::array<double, N>& b, int n) {
-    for (int i = 0; i < n; ++i) {
+bool solve(std::array<std::array<double, N>, N>& a, std::array<double, N>& b) {
+    for (int i = 0; i < N; ++i) {
         for (int j = 0; j <= i; ++j) {
             double sum = a[i][j];
             for (int k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
@@ -35,23 +33,25 @@ bool solve(std::array<std::array<double, N>, N> a, std::array<double, N>& b, int
             }
         }
     }
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < N; ++i) {
         for (int k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
         b[i] /= a[i][i];
     }
-    for (int i = n - 1; i >= 0; --i) {
-        for (int k = i + 1; k < n; ++k) b[i] -= a[k][i] * b[k];
+    for (int i = N - 1; i >= 0; --i) {
+        for (int k = i + 1; k < N; ++k) b[i] -= a[k][i] * b[k];
         b[i] /= a[i][i];
     }
     return true;
 }
 
-// K lobes of M parameters, each a coefficient of a feature.
-template <int K, int M>
+// K lobes of M parameters, each a coefficient of a feature; Firm: slopes of a given length; L pairs, as sumLobes.
+template <int K, int M, bool Firm, int L>
 struct Fitter {
-    static constexpr int N = K * M;
+    static constexpr int N = K * M;  // parameters
+    static constexpr int kColumns = LobeSums<K, M, Firm>::kColumns, kFree = K * kColumns;
     using Parameters = std::array<float, N>;
-    using Matrix = std::array<std::array<double, N>, N>;
+    using Vector = std::array<double, kFree>;
+    using Matrix = std::array<Vector, kFree>;
 
     const SampleLattice& lattice;
     const float* open;
@@ -60,119 +60,62 @@ struct Fitter {
 
     struct Sums {
         double cost = 0, error = 0;
-        std::array<double, N> gradient{};
-        Matrix hessian{};  // Gauss and Newton's
+        Vector gradient;
+        Matrix hessian;  // Gauss and Newton's, the lower half
+        glm::vec3 tangents[2 * K];
     };
 
     // The residual of a patch is the mean of cos (V - samples) over it: what a small light there would be
     // off by.
     Sums evaluate(const Parameters& p, bool derivatives) const {
-        constexpr int kPairs = N * (N + 1) / 2;
-        Floats error = 0, sum = 0, gradient[N] = {}, rise[N] = {}, products[kPairs] = {};
-        const int size = lattice.patchSize;
-        for (size_t block = 0; block < lattice.feature[0].size(); block += size_t(size) * SampleLattice::kLanes)
-            for (size_t lane = 0; lane < SampleLattice::kLanes; lane += Floats::size()) {
-                Floats off = 0, slope[N] = {};
-                for (int member = 0; member < size; ++member) {
-                    const size_t at = block + size_t(member) * SampleLattice::kLanes + lane;
-                    Floats feature[M], visible[K], steep[K];
-                    for (int m = 1; m < M; ++m) feature[m].copy_from(&lattice.feature[m][at], stdx::element_aligned);
-                    Floats target(&open[at], stdx::element_aligned);
-                    if (inverse) target = 1 - target;
-                    Floats all = 1;
-                    for (int k = 0; k < K; ++k) {
-                        Floats f = p[k * M];
-                        for (int m = 1; m < M; ++m) f += p[k * M + m] * feature[m];
-                        const Floats r = 1 / sqrt(1 + f * f);
-                        visible[k] = 0.5f + 0.5f * f * r;
-                        steep[k] = 0.5f * r * r * r;
-                        all *= visible[k];
-                    }
-                    const Floats height = feature[3];
-                    off += height * (all - target);
-                    if (!derivatives) continue;
-                    for (int k = 0; k < K; ++k) {
-                        Floats pull = height * steep[k];
-                        for (int l = 0; l < K; ++l)
-                            if (l != k) pull *= visible[l];
-                        slope[k * M] += pull;
-                        for (int m = 1; m < M; ++m) slope[k * M + m] += pull * feature[m];
-                    }
-                }
-                error += off * off;
-                sum += off;
-                if (!derivatives) continue;
-                int pair = 0;
-                for (int i = 0; i < N; ++i) {
-                    gradient[i] += off * slope[i];
-                    rise[i] += slope[i];
-                    for (int j = 0; j <= i; ++j, ++pair) products[pair] += slope[i] * slope[j];
-                }
-            }
-        // A patch of one sample has cos2's mean of 1/3 as its largest mean square.
-        const double rays = lattice.rays(), scale = 3 / (rays * size);
-        const double tilt = reduce(sum) / rays, pull = 3 * options.ambientWeight;
+        PatchedSamples samples{{}, open, lattice.blocks, lattice.patchSize, options.group, options.groupWeight, inverse};
+        for (int f = 0; f < 9; ++f) samples.feature[f] = lattice.feature[f].data();
         Sums out;
-        out.error = reduce(error) * scale;
+        if constexpr (Firm)
+            for (int k = 0; k < K; ++k) {
+                const glm::vec3 axis = glm::normalize(glm::vec3(p[k * M + 1], p[k * M + 2], p[k * M + 3]));
+                out.tangents[2 * k] = tangentTo(axis);
+                out.tangents[2 * k + 1] = glm::cross(axis, out.tangents[2 * k]);
+            }
+        LobeSums<K, M, Firm> sums;
+        sumLobes<K, M, Firm, L>(samples, p.data(), &out.tangents[0].x, derivatives, sums);
+        // A patch of one sample has cos2's mean of 1/3 as its largest mean square.
+        const double rays = lattice.rays(), scale = 3 / (rays * lattice.patchSize);
+        const double tilt = sums.sum / rays, pull = 3 * options.ambientWeight;
+        out.error = sums.error * scale;
         out.cost = out.error + pull * tilt * tilt;
         for (int i = 0; i < N; ++i)
-            if (i % M != 0) out.cost += kSlopeCost * p[i] * p[i];
+            if (!Firm && i % M != 0) out.cost += kSlopeCost * p[i] * p[i];
         if (!derivatives) return out;
-        int pair = 0;
-        std::array<double, N> lift;
-        for (int i = 0; i < N; ++i) {
-            lift[i] = reduce(rise[i]) / rays;
-            out.gradient[i] = reduce(gradient[i]) * scale + pull * tilt * lift[i];
-            for (int j = 0; j <= i; ++j, ++pair)
-                out.hessian[i][j] = out.hessian[j][i] = reduce(products[pair]) * scale + pull * lift[i] * lift[j];
-        }
-        for (int i = 0; i < N; ++i)
-            if (i % M != 0) {
+        for (int i = 0; i < kFree; ++i) {
+            out.gradient[i] = sums.gradient[i] * scale + pull * tilt * sums.rise[i] / rays;
+            for (int j = 0; j <= i; ++j)
+                out.hessian[i][j] = sums.hessian[i][j] * scale + pull * sums.rise[i] * sums.rise[j] / (rays * rays);
+            if (!Firm && i % M != 0) {
                 out.gradient[i] += kSlopeCost * p[i];
                 out.hessian[i][i] += kSlopeCost;
             }
+        }
         return out;
     }
 
-    // The step of the damped normal equations; with a firmness, of those in the spheres' tangents.
-    bool step(const Sums& at, const Parameters& p, double damping, std::array<double, N>& out) const {
-        // Columns of the tangent space: each lobe's offset, and its slope's two tangents or three axes.
-        std::array<std::array<double, N>, N> basis{};
-        int n = 0;
-        for (int k = 0; k < K; ++k) {
-            basis[n++][k * M] = 1;
-            if (options.firmness > 0) {
-                const glm::dvec3 b = glm::normalize(glm::dvec3(p[k * M + 1], p[k * M + 2], p[k * M + 3]));
-                const glm::dvec3 u = glm::normalize(glm::cross(b, std::abs(b.z) < 0.7 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
-                for (const glm::dvec3& t : {u, glm::cross(b, u)}) {
-                    for (int c = 0; c < 3; ++c) basis[n][k * M + 1 + c] = t[c];
-                    ++n;
-                }
-            } else {
-                for (int m = 1; m < M; ++m) basis[n++][k * M + m] = 1;
-            }
+    // The step of the damped normal equations, as a change of the parameters.
+    bool step(const Sums& at, double damping, std::array<double, N>& out) const {
+        Matrix a = at.hessian;
+        Vector b;
+        for (int i = 0; i < kFree; ++i) {
+            b[i] = -at.gradient[i];
+            a[i][i] += damping * a[i][i] + 1e-9;
         }
-        Matrix a{};
-        std::array<double, N> b{};
-        if (n == N) {
-            a = at.hessian;
-            for (int i = 0; i < N; ++i) b[i] = -at.gradient[i];
+        if (!solve<kFree>(a, b)) return false;
+        if constexpr (Firm) {
+            for (int k = 0; k < K; ++k) {
+                out[k * M] = b[k * 3];
+                for (int c = 0; c < 3; ++c) out[k * M + 1 + c] = b[k * 3 + 1] * at.tangents[2 * k][c] + b[k * 3 + 2] * at.tangents[2 * k + 1][c];
+            }
         } else {
-            for (int i = 0; i < n; ++i) {
-                std::array<double, N> row{};
-                for (int c = 0; c < N; ++c)
-                    if (basis[i][c] != 0)
-                        for (int d = 0; d < N; ++d) row[d] += basis[i][c] * at.hessian[c][d];
-                for (int j = 0; j < n; ++j)
-                    for (int d = 0; d < N; ++d) a[i][j] += row[d] * basis[j][d];
-                for (int c = 0; c < N; ++c) b[i] -= basis[i][c] * at.gradient[c];
-            }
+            out = b;
         }
-        for (int i = 0; i < n; ++i) a[i][i] += damping * a[i][i] + 1e-9;
-        if (!solve<N>(a, b, n)) return false;
-        out.fill(0);
-        for (int i = 0; i < n; ++i)
-            for (int c = 0; c < N; ++c) out[c] += basis[i][c] * b[i];
         return true;
     }
 
@@ -181,9 +124,9 @@ struct Fitter {
             float squared = 0;
             for (int m = 1; m < M; ++m) squared += p[k * M + m] * p[k * M + m];
             float scale = std::min(1.0f, kSlopeLimit<M> / std::sqrt(std::max(squared, 1e-12f)));
-            if (options.firmness > 0) scale = options.firmness / std::sqrt(std::max(squared, 1e-12f));
+            if (Firm) scale = options.firmness / std::sqrt(std::max(squared, 1e-12f));
             for (int m = 1; m < M; ++m) p[k * M + m] *= scale;
-            p[k * M] = std::clamp(options.firmness > 0 ? p[k * M] : p[k * M] * scale, -3 * kSlopeLimit<M>, 3 * kSlopeLimit<M>);
+            p[k * M] = std::clamp(Firm ? p[k * M] : p[k * M] * scale, -3 * kSlopeLimit<M>, 3 * kSlopeLimit<M>);
         }
     }
 
@@ -194,7 +137,7 @@ struct Fitter {
         double damping = 1e-2;
         for (int i = 0; i < steps; ++i) {
             std::array<double, N> move;
-            if (!step(now, p, damping, move)) break;
+            if (!step(now, damping, move)) break;
             Parameters q = p;
             for (int k = 0; k < K; ++k) {
                 // No further in one step than the lobe is long.
@@ -222,7 +165,7 @@ struct Fitter {
     // The same, with a try at a much sharper edge for each lobe: the way there is long and flat.
     Sums run(Parameters& p, int steps) const {
         Sums now = descend(p, steps);
-        if (options.firmness > 0) return now;
+        if constexpr (Firm) return now;
         bool sharpened = false;
         for (int k = 0; k < K; ++k)
             for (const float times : {2.0f, 5.0f}) {
@@ -241,10 +184,15 @@ struct Fitter {
 
 using Arrangement = std::vector<CapDictionary::Cap>;  // caps whose intersection is meant
 
-// What blocks (for an inverse fit, what is open) as `count` clusters, weighed by the cosine, and the caps that
-// leave each of them out. The cluster that spreads most is split across its longest axis, and all are
-// settled by Lloyd's iteration.
-Arrangement leaveOutClusters(const Samples& samples, bool inverse, int count) {
+struct Cluster {
+    glm::vec3 centre;
+    float share;       // of all directions
+    glm::mat3 spread;  // the mean of (w - centre) (w - centre)^T
+};
+
+// What blocks (for an inverse fit, what is open) as `count` clusters, weighed by the cosine. The cluster that
+// spreads most is split across its longest axis, and all are settled by Lloyd's iteration.
+std::vector<Cluster> clusters(const Samples& samples, bool inverse, int count) {
     const SampleLattice& lattice = *samples.lattice;
     std::vector<glm::vec3> at;
     std::vector<float> weight;
@@ -253,7 +201,7 @@ Arrangement leaveOutClusters(const Samples& samples, bool inverse, int count) {
             at.push_back(lattice.directions()[i]);
             weight.push_back(at.back().z);
         }
-    if (at.empty()) return Arrangement(size_t(count), {{0, 0, 1}, -1.2f});
+    if (at.empty()) return std::vector<Cluster>(size_t(count), {{0, 0, -1}, 0.0f, glm::mat3(0)});
     std::vector<int> owner(at.size(), 0);
     std::vector<glm::vec3> centre(1, glm::vec3(0));
     auto settle = [&](int iterations) {
@@ -289,55 +237,126 @@ Arrangement leaveOutClusters(const Samples& samples, bool inverse, int count) {
         centre.push_back(centre[widest]);
         settle(4);
     }
-    std::vector<int> members(centre.size(), 0);
-    for (int o : owner) ++members[size_t(o)];
-    Arrangement out;
-    for (size_t c = 0; c < centre.size(); ++c)
-        out.push_back({-centre[c], float(members[c]) / float(lattice.rays()) - 1});  // 1 - area / 2 pi, of the complement
+    std::vector<Cluster> out;
+    for (const glm::vec3& c : centre) out.push_back({c, 0, glm::mat3(0)});
+    for (size_t i = 0; i < at.size(); ++i) {
+        Cluster& c = out[size_t(owner[i])];
+        c.share += 1 / float(lattice.rays());
+        c.spread += glm::outerProduct(at[i] - c.centre, at[i] - c.centre) / float(lattice.rays());
+    }
+    for (Cluster& c : out) c.spread /= std::max(c.share, 1e-6f);
     return out;
 }
 
+// The cap that leaves the cluster out.
+CapDictionary::Cap capWithout(const Cluster& cluster) { return {-cluster.centre, cluster.share - 1}; }
+
+// Two caps whose intersection holds the cluster: a lens with its tips on the longer axis.
+std::array<CapDictionary::Cap, 2> lensAround(const Cluster& cluster) {
+    const glm::vec3 c = cluster.centre, u = tangentTo(c), v = glm::cross(c, u);
+    const float uu = glm::dot(u, cluster.spread * u), vv = glm::dot(v, cluster.spread * v), uv = glm::dot(u, cluster.spread * v);
+    const float turn = 0.5f * std::atan2(2 * uv, uu - vv), middle = 0.5f * (uu + vv), half = std::hypot(0.5f * (uu - vv), uv);
+    const glm::vec3 along = std::cos(turn) * u + std::sin(turn) * v, across = glm::cross(c, along);
+    // Of an even ellipse the half axes are twice the deviations.
+    const float length = std::clamp(2.2f * std::sqrt(middle + half), 0.05f, 1.4f);
+    const float breadth = std::clamp(2 * std::sqrt(std::max(middle - half, 0.0f)), 0.02f, 0.7f * length);
+    const glm::vec3 tip = std::cos(length) * c + std::sin(length) * along, other = std::cos(length) * c - std::sin(length) * along;
+    std::array<CapDictionary::Cap, 2> out;
+    for (int side = 0; side < 2; ++side) {
+        const glm::vec3 edge = std::cos(breadth) * c + (side ? 1.0f : -1.0f) * std::sin(breadth) * across;
+        glm::vec3 axis = glm::normalize(glm::cross(other - tip, edge - tip));
+        if (glm::dot(axis, c - edge) < 0) axis = -axis;
+        out[size_t(side)] = {axis, glm::dot(axis, edge)};
+    }
+    return out;
+}
+
+// The best start so far of any arrangement of K lobes.
 template <int K>
-LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
-    using F = Fitter<K, 4>;
-    // A few steps from each start; the best goes on to the end.
-    const float firmness = options.firmness > 0 ? options.firmness : 6;
-    typename F::Parameters best{};
-    double least = 1e30;
+struct Best {
+    std::array<float, K * 4> parameters{};
+    double cost = 1e30;
     bool inverse = false;
-    for (const bool side : {false, true}) {
-        if (sides != LobeFitSides::Both && side != (sides == LobeFitSides::Inverse)) continue;
+    int pairs = 0;
+};
+
+template <int K, bool Firm, int L>
+void tryStarts(const Samples& samples, bool inverse, const LobeFitOptions& options, std::span<const Arrangement> starts, Best<K>& best) {
+    // Soft fits begin as hazy caps.
+    const float firmness = Firm ? options.firmness : 6;
+    const Fitter<K, 4, Firm, L> fitter{*samples.lattice, samples.open.data(), inverse, options};
+    for (const Arrangement& start : starts) {
+        std::array<float, K * 4> p;
+        for (int k = 0; k < K; ++k) {
+            const CapDictionary::Cap& cap = start[size_t(k)];
+            p[k * 4] = -firmness * cap.cosine;
+            for (int c = 0; c < 3; ++c) p[k * 4 + 1 + c] = firmness * cap.axis[c];
+        }
+        const double cost = fitter.descend(p, std::min(options.firstSteps, options.steps)).cost;
+        if (cost < best.cost) best = {p, cost, inverse, L};
+    }
+}
+
+template <int K, bool Firm, int L>
+double finish(const Samples& samples, const LobeFitOptions& options, Best<K>& best) {
+    return Fitter<K, 4, Firm, L>{*samples.lattice, samples.open.data(), best.inverse, options}.run(best.parameters, options.steps).error;
+}
+
+// Every choice of which of the clusters the pairs leave out.
+template <int K, int L>
+std::vector<Arrangement> pairedStarts(const Samples& samples, bool inverse) {
+    const std::vector<Cluster> found = clusters(samples, inverse, K - L);
+    std::vector<Arrangement> out;
+    for (int paired = 0; paired < 1 << found.size(); ++paired) {
+        if (std::popcount(unsigned(paired)) != L) continue;
+        Arrangement& start = out.emplace_back();
+        for (size_t c = 0; c < found.size(); ++c)
+            if (paired >> c & 1)
+                for (const CapDictionary::Cap& cap : lensAround(found[c])) start.push_back(cap);
+        for (size_t c = 0; c < found.size(); ++c)
+            if (!(paired >> c & 1)) start.push_back(capWithout(found[c]));
+    }
+    return out;
+}
+
+template <int K, bool Firm>
+LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
+    Best<K> best;
+    for (const bool inverse : {false, true}) {
+        if (sides != LobeFitSides::Both && inverse != (sides == LobeFitSides::Inverse)) continue;
         std::vector<uint64_t> bits = samples.bits;
-        if (side)
+        if (inverse)
             for (size_t w = 0; w < bits.size(); ++w) bits[w] = ~bits[w] & samples.lattice->allBits[w];
-        std::vector<Arrangement> starts{leaveOutClusters(samples, side, K)};
+        std::vector<Arrangement> starts = pairedStarts<K, 0>(samples, inverse);
         for (const std::vector<int>& found : dictionary.nearest(bits, K, options.starts)) {
             Arrangement& caps = starts.emplace_back();
             for (int c : found) caps.push_back(dictionary.cap(size_t(c)));
         }
-        const F fitter{*samples.lattice, samples.open.data(), side, options};
-        for (const Arrangement& start : starts) {
-            typename F::Parameters p;
-            for (int k = 0; k < K; ++k) {
-                const CapDictionary::Cap& cap = start[size_t(k)];
-                p[k * 4] = -firmness * cap.cosine;
-                for (int c = 0; c < 3; ++c) p[k * 4 + 1 + c] = firmness * cap.axis[c];
-            }
-            const double cost = fitter.descend(p, std::min(options.firstSteps, options.steps)).cost;
-            if (cost < least) least = cost, best = p, inverse = side;
-        }
+        tryStarts<K, Firm, 0>(samples, inverse, options, starts, best);
+        if (!options.pairs) continue;
+        if constexpr (Firm && K >= 3)
+            tryStarts<K, Firm, 1>(samples, inverse, options, pairedStarts<K, 1>(samples, inverse), best);
+        if constexpr (Firm && K >= 4) tryStarts<K, Firm, 2>(samples, inverse, options, pairedStarts<K, 2>(samples, inverse), best);
     }
     LobeFit out;
-    const F fitter{*samples.lattice, samples.open.data(), inverse, options};
-    out.error = fitter.run(best, options.steps).error;
-    if (options.firmness > 0 && options.hardened > options.firmness) {
+    auto settle = [&](const LobeFitOptions& how) {
+        if constexpr (Firm && K >= 4)
+            if (best.pairs == 2) return finish<K, Firm, 2>(samples, how, best);
+        if constexpr (Firm && K >= 3)
+            if (best.pairs == 1) return finish<K, Firm, 1>(samples, how, best);
+        return finish<K, Firm, 0>(samples, how, best);
+    };
+    out.error = settle(options);
+    if (Firm && options.hardened > options.firmness) {
         LobeFitOptions harder = options;
         harder.firmness = options.hardened;
-        out.error = F{*samples.lattice, samples.open.data(), inverse, harder}.run(best, options.steps).error;
+        out.error = settle(harder);
     }
     out.count = K;
-    out.inverse = inverse;
-    for (int k = 0; k < K; ++k) out.lobes[k] = {best[k * 4 + 1], best[k * 4 + 2], best[k * 4 + 3], best[k * 4]};
+    out.inverse = best.inverse;
+    out.pairs = best.pairs;
+    const auto& p = best.parameters;
+    for (int k = 0; k < K; ++k) out.lobes[k] = {p[k * 4 + 1], p[k * 4 + 2], p[k * 4 + 3], p[k * 4]};
     return out;
 }
 
@@ -452,16 +471,17 @@ void CapDictionary::countMismatches(const uint64_t* under, const uint64_t* bits,
 }
 
 LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
+    const bool firm = options.firmness > 0;
     switch (options.lobes) {
-        case 1: return fitCount<1>(samples, dictionary, sides, options);
-        case 2: return fitCount<2>(samples, dictionary, sides, options);
-        case 3: return fitCount<3>(samples, dictionary, sides, options);
-        default: return fitCount<4>(samples, dictionary, sides, options);
+        case 1: return (firm ? fitCount<1, true> : fitCount<1, false>)(samples, dictionary, sides, options);
+        case 2: return (firm ? fitCount<2, true> : fitCount<2, false>)(samples, dictionary, sides, options);
+        case 3: return fitCount<3, true>(samples, dictionary, sides, options);
+        default: return fitCount<4, true>(samples, dictionary, sides, options);
     }
 }
 
 LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options) {
-    using F = Fitter<1, 4>;
+    using F = Fitter<1, 4, false, 0>;
     typename F::Parameters p{start.w, start.x, start.y, start.z};
     LobeFit out;
     out.error = F{*samples.lattice, samples.open.data(), false, options}.run(p, options.steps).error;
@@ -471,7 +491,7 @@ LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFi
 }
 
 QuadricFit fitQuadric(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options) {
-    using F = Fitter<1, 9>;
+    using F = Fitter<1, 9, false, 0>;
     typename F::Parameters p{start.w, start.x, start.y, start.z};
     QuadricFit out;
     out.error = F{*samples.lattice, samples.open.data(), false, options}.run(p, options.steps).error;

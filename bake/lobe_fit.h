@@ -12,16 +12,20 @@ struct LobeFit {
     glm::vec4 lobes[4]{};  // slope, offset, about +Z as the lattice
     int count = 0;
     bool inverse = false;
+    int pairs = 0;         // of the lobes, from the first: what the pair leaves of 1 stands in the product for it
     double error = 0;      // mean square of cos (V - samples), by patches, in units of cos2's mean
 };
 
 struct LobeFitOptions {
     int lobes = 1;           // 1 .. 4
     float firmness = 0;      // > 0: the length of every slope; 0: free
+    bool pairs = false;      // of three or four lobes with a firmness: LobeFit::pairs may be other than 0
     float hardened = 0;      // > firmness: the length that slopes are brought to in the end
     float ambientWeight = 0; // of the squared error of the irradiance from an even sky
     int steps = 40;         // of Levenberg and Marquardt, at most
-    int firstSteps = 6;      // of them from each start; the best goes on to the end the best start goes on the best start goes on the best start goes on
+    int firstSteps = 6;     // of them from each start; the best goes on to the end
+    int group = 8;          // neighbouring patches that make a larger light, of about 15 degrees,
+    float groupWeight = 1;  // whose error counts as much as a patch's
     int starts = 6;         // of the hard-edged arrangements tried first
 };
 

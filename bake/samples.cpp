@@ -12,11 +12,12 @@ namespace apertura {
 SampleLattice::SampleLattice(int rays) : directions_(hemisphereLattice(rays)) {
     const size_t n = directions_.size();
     patchSize = int(std::bit_floor(std::max<size_t>(n / 256, 1)));
-    const size_t blockSize = size_t(patchSize) * kLanes, blocks = (n + blockSize - 1) / blockSize;
-    for (auto& f : feature) f.assign(blocks * blockSize, 0);
+    const size_t blockSize = size_t(patchSize) * kLanes;
+    blocks = int((n + blockSize - 1) / blockSize);
+    for (auto& f : feature) f.assign(size_t(blocks) * blockSize, 0);
     for (size_t i = 0; i < n; ++i) {
         const size_t patch = i / size_t(patchSize), member = i % size_t(patchSize);
-        const size_t at = (patch / kLanes * size_t(patchSize) + member) * kLanes + patch % kLanes;
+        const size_t at = (patch % size_t(blocks) * size_t(patchSize) + member) * kLanes + patch / size_t(blocks);
         place.push_back(int(at));
         const glm::vec3 w = directions_[i];
         const float values[kFeatures] = {1, w.x, w.y, w.z, w.x * w.x - w.z * w.z, w.y * w.y - w.z * w.z,

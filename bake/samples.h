@@ -18,11 +18,11 @@ public:
     std::span<const glm::vec3> directions() const { return directions_; }
 
     // Fits compare the model with the samples by patches of neighbours, about 256 of the hemisphere: of 4096
-    // rays a patch is as large as a light of 5 degrees. kLanes patches stand side by side: sample m of patch
-    // kLanes b + l stands at (b patchSize + m) kLanes + l. The features are 1, x, y, z and the five products
+    // rays a patch is as large as a light of 5 degrees. kLanes of them stand side by side, each a lane of
+    // `blocks` neighbours: sample m of patch l blocks + b stands at (b patchSize + m) kLanes + l. The features are 1, x, y, z and the five products
     // x2-z2, y2-z2, 2xy, 2xz, 2yz; all of them are 0 where a patch has no sample.
     static constexpr int kFeatures = 9, kLanes = 8;
-    int patchSize = 1;
+    int patchSize = 1, blocks = 0;
     std::vector<float> feature[kFeatures];
     std::vector<int> place;       // where each of directions() stands
 

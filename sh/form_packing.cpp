@@ -132,6 +132,13 @@ void rotateBands(vec4* slots, int top, const mat3& rotation) {
     std::copy_n(out, count, flat(slots));
 }
 
+// A cap's or a firm lobe's third number, and a lobe's, is never negative by itself: its sign is a flag. A
+// value that would round to nothing moves up to the least that has a sign.
+void setFlag(float& number) { number = -std::max(number, 1 / 127.0f); }
+
+// Where the flags of pairs stand: the signs of the second and the third firm lobe, where there are three or more.
+bool mayPair(const Model& model) { return model.storedFields >= 3 && model.stored[0] == Field::FirmLobe; }
+
 }  // namespace
 
 int storedNumbers(const Model& model) {
@@ -147,9 +154,11 @@ void packForm(const Model& model, const Form& form, std::span<float> numbers) {
         at += size_t(numbersOf(model.stored[f]));
         slot += size_t(slotsOf(model.stored[f]));
     }
-    // The third number of a cap or lobe is never negative: an inverse product has it so. A value that would
-    // round to nothing moves up to the least that has a sign.
-    if (model.inverseSlot >= 0 && form[size_t(model.inverseSlot)].x > 0.5f) numbers[2] = -std::max(numbers[2], 1 / 127.0f);
+    if (model.inverseSlot < 0) return;
+    const vec4& how = form[size_t(model.inverseSlot)];
+    if (how.x > 0.5f) setFlag(numbers[2]);
+    if (mayPair(model) && how.w > 0.5f) setFlag(numbers[5]);
+    if (mayPair(model) && how.w > 1.5f) setFlag(numbers[8]);
 }
 
 Form unpackForm(const Model& model, std::span<const float> numbers) {
@@ -161,6 +170,7 @@ Form unpackForm(const Model& model, std::span<const float> numbers) {
         slot += size_t(slotsOf(model.stored[f]));
     }
     if (model.inverseSlot >= 0) form[size_t(model.inverseSlot)].x = numbers[2] < 0 ? 1 : 0;
+    if (mayPair(model)) form[size_t(model.inverseSlot)].w = (numbers[5] < 0 ? 1.0f : 0.0f) + (numbers[8] < 0 ? 1.0f : 0.0f);
     return form;
 }
 

@@ -82,28 +82,43 @@ APERTURA_FN float shVisibility(Receiver receiver, CapLight light, int bands) {
     return clamp(v, 0.0f, 1.0f);
 }
 
-// E of a cap light through the product of `count` lobes or, where the slot behind them has a 1 in x, through
-// what the product leaves: several openings instead of one opening between blockers.
+// What `count` lobes let through together, from what each does: their product, in which what the first pair
+// leaves of 1 stands for that pair where how.w is 1, and of the second too where it is 2; or what all that
+// leaves of 1, where how.x is 1. So an opening between blockers, several openings, and openings longer than wide.
+APERTURA_FN float lobesTogether(vec4 each, int count, vec4 how) {
+    float all = each.x * each.y;
+    if (count >= 3) {
+        all = how.w > 0.5f ? 1.0f - all : all;
+        float others = each.z * each.w;
+        if (count >= 4) others = how.w > 1.5f ? 1.0f - others : others;
+        all *= others;
+    }
+    return how.x > 0.5f ? 1.0f - all : all;
+}
+
+// E of a cap light through `count` lobes, two to four; how they go together stands in the slot behind them.
 APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light, int size) {
     vec3 n = receiver.normal;
-    float visible = 1.0f;
+    vec4 how = receiver.form[count];
+    vec4 each = vec4(1.0f);
+    float visible = 0.0f;
     if (size == LIGHTS_SMALL) {
-        for (int k = 0; k < count; ++k) visible *= link(receiver.form[k].w + dot(vec3(receiver.form[k]), light.axis));
+        for (int k = 0; k < count; ++k) each[k] = link(receiver.form[k].w + dot(vec3(receiver.form[k]), light.axis));
+        visible = lobesTogether(each, count, how);
     } else if (size == LIGHTS_MEDIUM) {
         for (int k = 0; k < count; ++k) {
             vec3 slope = vec3(receiver.form[k]);
-            visible *= linkOverLight(n, receiver.form[k].w + dot(slope, light.axis), slope, light, wholeDisc());
+            each[k] = linkOverLight(n, receiver.form[k].w + dot(slope, light.axis), slope, light, wholeDisc());
         }
+        visible = lobesTogether(each, count, how);
     } else {
-        visible = 0.0f;
         FourLights four = quarters(n, light);
         for (int i = 0; i < 4; ++i) {
-            float all = four.weight[i];
-            for (int k = 0; k < count; ++k) all *= lobeOverPart(n, softIn(receiver.form[k]), four.axis[i], four.part);
-            visible += all;
+            for (int k = 0; k < count; ++k) each[k] = lobeOverPart(n, softIn(receiver.form[k]), four.axis[i], four.part);
+            visible += four.weight[i] * lobesTogether(each, count, how);
         }
     }
-    return lightOnSurface(n, light, size) * (receiver.form[count].x > 0.5f ? 1.0f - visible : visible);
+    return lightOnSurface(n, light, size) * visible;
 }
 
 // E of a cap light at the receiver. `size`: the least of LIGHTS_... that covers it.

@@ -1,0 +1,42 @@
+#pragma once
+// The sums over samples that one step of fitting needs: the innermost loop of the bake.
+
+namespace apertura {
+
+// The samples of one point as SampleLattice lays them out.
+struct PatchedSamples {
+    const float* feature[9];
+    const float* open;   // 0 or 1
+    int blocks;          // of SampleLattice::kLanes patches side by side
+    int patchSize;       // samples a patch
+    int group;           // consecutive patches that make a large one
+    float groupWeight;   // of the squared error of a large patch, by area, against that of a patch
+    bool inverse;        // the product is what is blocked
+};
+
+// The visibility is the product of K lobes, of which the first 2 L are taken in pairs, as what the pair leaves of 1.
+// K lobes of M parameters each: the offset and what multiplies features 1 .. M - 1. Their derivatives are by
+// the parameters themselves (Firm false) or by the offset and the slope's two tangents (Firm true).
+template <int K, int M, bool Firm>
+struct LobeSums {
+    static constexpr int kColumns = Firm ? 3 : M, N = K * kColumns;
+    double error = 0;        // of squared residuals, patches and large ones
+    double sum = 0;          // of residuals: cos (V - sample), all samples
+    double gradient[N] = {}; // half of the error's
+    double rise[N] = {};     // the sum's
+    double hessian[N][N] = {};  // Gauss and Newton's, half; the lower half
+};
+
+// `parameters`: K * M. `tangents`: two vec3 a lobe where Firm, else not read. The bytes that come out do not
+// depend on the processor: eight lanes, added up in the same order, on all of them.
+template <int K, int M, bool Firm, int L>
+void sumLobes(const PatchedSamples& samples, const float* parameters, const float* tangents, bool derivatives, LobeSums<K, M, Firm>& out);
+
+// Those that there are: with APERTURA_INSTANCE(K, M, Firm, L) defined.
+#define APERTURA_INSTANCES                                                                                  \
+    APERTURA_INSTANCE(1, 4, true, 0) APERTURA_INSTANCE(2, 4, true, 0) APERTURA_INSTANCE(3, 4, true, 0)      \
+    APERTURA_INSTANCE(3, 4, true, 1) APERTURA_INSTANCE(4, 4, true, 0) APERTURA_INSTANCE(4, 4, true, 1)      \
+    APERTURA_INSTANCE(4, 4, true, 2) APERTURA_INSTANCE(1, 4, false, 0) APERTURA_INSTANCE(2, 4, false, 0)    \
+    APERTURA_INSTANCE(1, 9, false, 0)
+
+}  // namespace apertura

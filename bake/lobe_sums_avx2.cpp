@@ -1,0 +1,2 @@
+#define APERTURA_LANES avx2
+#include "bake/lobe_sums.inc"
