@@ -16,6 +16,7 @@ namespace {
 // The sharpest that an edge is made: harder than any mesh can show. Of a quadric, what its bytes can hold.
 template <int M>
 constexpr float kSlopeLimit = M == 4 ? 500 : 60;
+constexpr float kFirstFirmness = 30;  // of lobes and caps on their way to a hard edge
 constexpr double kSlopeCost = 1e-10;  // keeps lobes that nothing in the samples bounds from running away
 
 // Solves A x = b by Cholesky's method, from A's lower half; false where A is not positive definite.
@@ -80,17 +81,16 @@ struct Fitter {
         LobeSums<K, M, Firm> sums;
         sumLobes<K, M, Firm, L>(samples, p.data(), &out.tangents[0].x, derivatives, sums);
         // A patch of one sample has cos2's mean of 1/3 as its largest mean square.
-        const double rays = lattice.rays(), scale = 3 / (rays * lattice.patchSize);
-        const double tilt = sums.sum / rays, pull = 3 * options.ambientWeight;
-        out.error = sums.error * scale;
+        const double rays = lattice.rays(), scale = 3 / (rays * lattice.patchSize), pull = 3 * options.ambientWeight / (rays * rays);
+        const double tilt = sums.sums[kFree];
+        out.error = sums.products[kFree][kFree] * scale;
         out.cost = out.error + pull * tilt * tilt;
         for (int i = 0; i < N; ++i)
             if (!Firm && i % M != 0) out.cost += kSlopeCost * p[i] * p[i];
         if (!derivatives) return out;
         for (int i = 0; i < kFree; ++i) {
-            out.gradient[i] = sums.gradient[i] * scale + pull * tilt * sums.rise[i] / rays;
-            for (int j = 0; j <= i; ++j)
-                out.hessian[i][j] = sums.hessian[i][j] * scale + pull * sums.rise[i] * sums.rise[j] / (rays * rays);
+            out.gradient[i] = sums.products[kFree][i] * scale + pull * tilt * sums.sums[i];
+            for (int j = 0; j <= i; ++j) out.hessian[i][j] = sums.products[i][j] * scale + pull * sums.sums[i] * sums.sums[j];
             if (!Firm && i % M != 0) {
                 out.gradient[i] += kSlopeCost * p[i];
                 out.hessian[i][i] += kSlopeCost;
@@ -126,7 +126,7 @@ struct Fitter {
             float scale = std::min(1.0f, kSlopeLimit<M> / std::sqrt(std::max(squared, 1e-12f)));
             if (Firm) scale = options.firmness / std::sqrt(std::max(squared, 1e-12f));
             for (int m = 1; m < M; ++m) p[k * M + m] *= scale;
-            p[k * M] = std::clamp(Firm ? p[k * M] : p[k * M] * scale, -3 * kSlopeLimit<M>, 3 * kSlopeLimit<M>);
+            p[k * M] = std::clamp(p[k * M] * scale, -3 * kSlopeLimit<M>, 3 * kSlopeLimit<M>);
         }
     }
 
@@ -235,7 +235,7 @@ std::vector<Cluster> clusters(const Samples& samples, bool inverse, int count) {
         for (size_t i = 0; i < at.size(); ++i)
             if (size_t(owner[i]) == widest && glm::dot(axis, at[i] - centre[widest]) > 0) owner[i] = int(centre.size());
         centre.push_back(centre[widest]);
-        settle(4);
+        settle(2);
     }
     std::vector<Cluster> out;
     for (const glm::vec3& c : centre) out.push_back({c, 0, glm::mat3(0)});
@@ -282,9 +282,11 @@ struct Best {
 
 template <int K, bool Firm, int L>
 void tryStarts(const Samples& samples, bool inverse, const LobeFitOptions& options, std::span<const Arrangement> starts, Best<K>& best) {
-    // Soft fits begin as hazy caps.
-    const float firmness = Firm ? options.firmness : 6;
-    const Fitter<K, 4, Firm, L> fitter{*samples.lattice, samples.open.data(), inverse, options};
+    // Edges as soft as samples are apart: harder ones would not feel where to go.
+    LobeFitOptions hazy = options;
+    if (Firm) hazy.firmness = std::min(options.firmness, kFirstFirmness);
+    const float firmness = Firm ? hazy.firmness : 6;
+    const Fitter<K, 4, Firm, L> fitter{*samples.lattice, samples.open.data(), inverse, hazy};
     for (const Arrangement& start : starts) {
         std::array<float, K * 4> p;
         for (int k = 0; k < K; ++k) {
@@ -339,19 +341,13 @@ LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFi
         if constexpr (Firm && K >= 4) tryStarts<K, Firm, 2>(samples, inverse, options, pairedStarts<K, 2>(samples, inverse), best);
     }
     LobeFit out;
-    auto settle = [&](const LobeFitOptions& how) {
+    out.error = [&] {
         if constexpr (Firm && K >= 4)
-            if (best.pairs == 2) return finish<K, Firm, 2>(samples, how, best);
+            if (best.pairs == 2) return finish<K, Firm, 2>(samples, options, best);
         if constexpr (Firm && K >= 3)
-            if (best.pairs == 1) return finish<K, Firm, 1>(samples, how, best);
-        return finish<K, Firm, 0>(samples, how, best);
-    };
-    out.error = settle(options);
-    if (Firm && options.hardened > options.firmness) {
-        LobeFitOptions harder = options;
-        harder.firmness = options.hardened;
-        out.error = settle(harder);
-    }
+            if (best.pairs == 1) return finish<K, Firm, 1>(samples, options, best);
+        return finish<K, Firm, 0>(samples, options, best);
+    }();
     out.count = K;
     out.inverse = best.inverse;
     out.pairs = best.pairs;
@@ -363,7 +359,8 @@ LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFi
 }  // namespace
 
 CapDictionary::CapDictionary(const SampleLattice& lattice, int axes, int heights)
-    : wordWeight_(lattice.wordWeight), words_(lattice.wordWeight.size()) {
+    : words_(lattice.wordWeight.size()) {
+    for (float weight : lattice.wordWeight) wordWeight_.push_back(uint32_t(weight * 4096));
     // Everything, for lobes that have nothing left to do.
     caps_.push_back({{0, 0, 1}, -1.2f});
     masks_ = lattice.allBits;
@@ -388,32 +385,35 @@ CapDictionary::CapDictionary(const SampleLattice& lattice, int axes, int heights
 
 namespace {
 
-// Of `count` masks, each with `under`: the weighted samples of `bits` that it leaves out, and those that it
-// holds too many, the latter times `mendable`.
-void mismatches(const uint64_t* masks, size_t count, size_t words, const uint64_t* under, const uint64_t* bits, const float* weights,
-                float mendable, float* out) {
-    for (size_t c = 0; c < count; ++c) {
-        float cost = 0;
+// How well each of the masks, cut to `under`, fits: weighed samples of `bits` that it holds, times `hit`, less all
+// that it holds, times `held`.
+struct MaskScores {
+    std::span<const uint64_t> masks;
+    std::span<const uint32_t> weights;  // of the words of each
+    const uint64_t *under, *bits;
+    int64_t hit, held;
+};
+
+// Words > 0: the number of words a mask, known beforehand.
+template <size_t Words = 0>
+[[gnu::always_inline]] inline void score(const MaskScores& m, std::span<int64_t> out) {
+    const size_t words = Words ? Words : m.weights.size();
+    for (size_t c = 0; c < out.size(); ++c) {
+        uint64_t hits = 0, all = 0;
         for (size_t w = 0; w < words; ++w) {
-            const uint64_t mask = under[w] & masks[c * words + w];
-            cost += weights[w] * (float(std::popcount(bits[w] & ~mask)) + mendable * float(std::popcount(mask & ~bits[w])));
+            const uint64_t mask = m.under[w] & m.masks[c * words + w];
+            hits += m.weights[w] * uint64_t(std::popcount(mask & m.bits[w]));
+            all += m.weights[w] * uint64_t(std::popcount(mask));
         }
-        out[c] = cost;
+        out[c] = m.hit * int64_t(hits) - m.held * int64_t(all);
     }
 }
 
+void scorePlainly(const MaskScores& m, std::span<int64_t> out) { score(m, out); }
 #if defined(__x86_64__) && defined(__GNUC__)
-// The same result by an instruction that the oldest of these processors lack.
-[[gnu::target("popcnt")]] void mismatchesFast(const uint64_t* masks, size_t count, size_t words, const uint64_t* under, const uint64_t* bits,
-                                              const float* weights, float mendable, float* out) {
-    for (size_t c = 0; c < count; ++c) {
-        float cost = 0;
-        for (size_t w = 0; w < words; ++w) {
-            const uint64_t mask = under[w] & masks[c * words + w];
-            cost += weights[w] * (float(__builtin_popcountll(bits[w] & ~mask)) + mendable * float(__builtin_popcountll(mask & ~bits[w])));
-        }
-        out[c] = cost;
-    }
+// With an instruction for popcount, which the oldest of these processors lack.
+[[gnu::target("popcnt")]] void scoreFast(const MaskScores& m, std::span<int64_t> out) {
+    m.weights.size() == 4 ? score<4>(m, out) : score(m, out);  // 4: of 256 rays
 }
 #endif
 
@@ -421,35 +421,40 @@ void mismatches(const uint64_t* masks, size_t count, size_t words, const uint64_
 
 std::vector<std::vector<int>> CapDictionary::nearest(const std::vector<uint64_t>& bits, int count, int wanted) const {
     struct Start {
-        float cost;
         std::vector<int> caps;
         std::vector<uint64_t> mask;
     };
     std::vector<std::vector<int>> out;
     if (wanted <= 0) return out;
     // Beams of partial arrangements. A first cap that leaves open what is blocked can be mended by those
-    // after it, one that blocks what is open cannot: `mendable` is the share of the former that counts.
-    std::vector<Start> beam{{0, {}, std::vector<uint64_t>(words_, ~uint64_t(0))}};
-    std::vector<float> costs(caps_.size());
+    // after it, one that blocks what is open cannot: of the former only `held` parts in ten count.
+    std::vector<Start> beam{{{}, std::vector<uint64_t>(words_, ~uint64_t(0))}};
+    std::vector<int64_t> scores(caps_.size());
     for (int k = 0; k < count; ++k) {
-        const float mendable = k == count - 1 ? 1.0f : 0.4f;
+        const int held = k == count - 1 ? 10 : 4;
         struct Grown {
-            float cost;
+            int64_t score;
             size_t from, cap;
         };
         std::vector<Grown> grown;
         for (size_t from = 0; from < beam.size(); ++from) {
-            countMismatches(beam[from].mask.data(), bits.data(), mendable, costs.data());
+            const MaskScores how{masks_, wordWeight_, beam[from].mask.data(), bits.data(), 10 + held, held};
+#if defined(__x86_64__) && defined(__GNUC__)
+            static const bool fast = __builtin_cpu_supports("popcnt");
+            (fast ? scoreFast : scorePlainly)(how, scores);
+#else
+            scorePlainly(how, scores);
+#endif
             for (size_t c = 0; c < caps_.size(); ++c) {
-                if (grown.size() == size_t(wanted) && costs[c] >= grown.back().cost) continue;
-                const auto at = std::upper_bound(grown.begin(), grown.end(), costs[c], [](float x, const Grown& g) { return x < g.cost; });
-                grown.insert(at, {costs[c], from, c});
+                if (grown.size() == size_t(wanted) && scores[c] <= grown.back().score) continue;
+                const auto at = std::upper_bound(grown.begin(), grown.end(), scores[c], [](int64_t x, const Grown& g) { return x > g.score; });
+                grown.insert(at, {scores[c], from, c});
                 if (grown.size() > size_t(wanted)) grown.pop_back();
             }
         }
         std::vector<Start> next;
         for (const Grown& g : grown) {
-            Start s{g.cost, beam[g.from].caps, beam[g.from].mask};
+            Start s{beam[g.from].caps, beam[g.from].mask};
             s.caps.push_back(int(g.cap));
             for (size_t w = 0; w < words_; ++w) s.mask[w] &= masks_[g.cap * words_ + w];
             next.push_back(std::move(s));
@@ -458,16 +463,6 @@ std::vector<std::vector<int>> CapDictionary::nearest(const std::vector<uint64_t>
     }
     for (const Start& s : beam) out.push_back(s.caps);
     return out;
-}
-
-void CapDictionary::countMismatches(const uint64_t* under, const uint64_t* bits, float mendable, float* out) const {
-#if defined(__x86_64__) && defined(__GNUC__)
-    if (__builtin_cpu_supports("popcnt")) {
-        mismatchesFast(masks_.data(), caps_.size(), words_, under, bits, wordWeight_.data(), mendable, out);
-        return;
-    }
-#endif
-    mismatches(masks_.data(), caps_.size(), words_, under, bits, wordWeight_.data(), mendable, out);
 }
 
 LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {

@@ -20,13 +20,12 @@ struct LobeFitOptions {
     int lobes = 1;           // 1 .. 4
     float firmness = 0;      // > 0: the length of every slope; 0: free
     bool pairs = false;      // of three or four lobes with a firmness: LobeFit::pairs may be other than 0
-    float hardened = 0;      // > firmness: the length that slopes are brought to in the end
     float ambientWeight = 0; // of the squared error of the irradiance from an even sky
-    int steps = 40;         // of Levenberg and Marquardt, at most
-    int firstSteps = 6;     // of them from each start; the best goes on to the end
+    int steps = 8;          // of Levenberg and Marquardt, at most,
+    int firstSteps = 4;     // and from each start; the best goes on to the end
     int group = 8;          // neighbouring patches that make a larger light, of about 15 degrees,
     float groupWeight = 1;  // whose error counts as much as a patch's
-    int starts = 6;         // of the hard-edged arrangements tried first
+    int starts = 2;         // of the hard-edged arrangements tried first
 };
 
 // Caps of many axes and heights as masks over a lattice: where fits start from.
@@ -44,11 +43,9 @@ public:
     std::vector<std::vector<int>> nearest(const std::vector<uint64_t>& bits, int count, int wanted) const;
 
 private:
-    void countMismatches(const uint64_t* under, const uint64_t* bits, float mendable, float* out) const;
-
     std::vector<Cap> caps_;
     std::vector<uint64_t> masks_;  // words_ a cap
-    std::vector<float> wordWeight_;
+    std::vector<uint32_t> wordWeight_;
     size_t words_;
 };
 

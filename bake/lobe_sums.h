@@ -12,6 +12,7 @@ struct PatchedSamples {
     int group;           // consecutive patches that make a large one
     float groupWeight;   // of the squared error of a large patch, by area, against that of a patch
     bool inverse;        // the product is what is blocked
+    static constexpr int kMaxBlocks = 64;
 };
 
 // The visibility is the product of K lobes, of which the first 2 L are taken in pairs, as what the pair leaves of 1.
@@ -20,17 +21,23 @@ struct PatchedSamples {
 template <int K, int M, bool Firm>
 struct LobeSums {
     static constexpr int kColumns = Firm ? 3 : M, N = K * kColumns;
-    double error = 0;        // of squared residuals, patches and large ones
-    double sum = 0;          // of residuals: cos (V - sample), all samples
-    double gradient[N] = {}; // half of the error's
-    double rise[N] = {};     // the sum's
-    double hessian[N][N] = {};  // Gauss and Newton's, half; the lower half
+    // Of the residuals' derivatives, column by column, and in the last of the residuals themselves: the lower
+    // half of all products, over patches and large ones; and the sums over patches. A residual is the sum of
+    // cos (V - sample) over the patch. Without derivatives only the last are set.
+    double products[N + 1][N + 1];
+    double sums[N + 1];
 };
 
 // `parameters`: K * M. `tangents`: two vec3 a lobe where Firm, else not read. The bytes that come out do not
 // depend on the processor: eight lanes, added up in the same order, on all of them.
 template <int K, int M, bool Firm, int L>
 void sumLobes(const PatchedSamples& samples, const float* parameters, const float* tangents, bool derivatives, LobeSums<K, M, Firm>& out);
+
+// The same without what only newer processors have.
+namespace plain {
+template <int K, int M, bool Firm, int L>
+void sumLobes(const PatchedSamples& samples, const float* parameters, const float* tangents, bool derivatives, LobeSums<K, M, Firm>& out);
+}
 
 // Those that there are: with APERTURA_INSTANCE(K, M, Firm, L) defined.
 #define APERTURA_INSTANCES                                                                                  \

@@ -15,7 +15,7 @@ vec4 slotOf(const Aperture& a) { return vec4(a.axis, a.height); }
 
 Form oneCap(const Visibility& v, const vec3& normal) {
     const Aperture a = toAperture(v, normal);
-    return {slotOf(a), vec4(0, 0, a.angle)};
+    return {slotOf(a), vec4(0, a.size)};
 }
 
 // The cap of uniform opacity with all four numbers: its height from |D| / A, which is 1 - height / 2.
@@ -24,7 +24,7 @@ Form alphaCap(const Visibility& v, const vec3& normal) {
     const float share = v.area > 0 ? length(v.direction) / v.area : 1;
     const float area = a.height;
     a.height = std::clamp(2 - 2 * share, area, 2.0f);
-    return {slotOf(a), vec4(a.height > 0 ? area / a.height : 0, 0, anglesOf(a.height))};
+    return {slotOf(a), vec4(a.height > 0 ? area / a.height : 0, sizeOf(a.height))};
 }
 
 // The cap and the anti-cap of the blocked part, weighed by which of the two is nearer to being a cap.
@@ -36,7 +36,8 @@ Form capAndAnti(const Visibility& v, const vec3& normal) {
     const float open = deficit(v), closed = deficit(blocked);
     const float sum = open + closed;
     const Aperture cap = toAperture(v, normal), anti = toAperture(blocked, normal);
-    return {slotOf(cap), slotOf(anti), vec4(sum > 1e-6f ? open / sum : 0, 0, 0, 0), vec4(cap.angle, anti.angle)};
+    return {slotOf(cap), slotOf(anti), vec4(sum > 1e-6f ? open / sum : 0, 0, cap.size.z, anti.size.z),
+            vec4(vec2(cap.size), vec2(anti.size))};
 }
 
 Form oneLobe(const Visibility& v, const vec3& normal) {
@@ -87,19 +88,21 @@ const Model* findModel(std::string_view name) {
 
 namespace {
 
-// The angles of stored caps, in the slots behind them where models.glsl looks for them.
-Form withAngles(const Model& model, Form form) {
+// The sizes of stored caps, in the slots behind them where models.glsl looks for them.
+Form withSizes(const Model& model, Form form) {
     int caps = 0;
     while (caps < model.storedFields && model.stored[size_t(caps)] == Cap) ++caps;
     const int behind = model.inverseSlot >= 0 ? model.inverseSlot + 1 : caps;
     for (int k = 0; k < caps; ++k) {
         const float height = form[size_t(k)].w;
         // Of a product of caps, the complement of one over a hemisphere is what is evaluated.
-        const vec2 angle = anglesOf(model.id == MODEL_CAP_ANTI ? std::min(height, 2 - height) : height);
+        const vec3 size = sizeOf(model.id == MODEL_CAP_ANTI ? std::min(height, 2 - height) : height);
         vec4& slot = form[size_t(behind + k / 2)];
-        (k % 2 ? slot.z : slot.x) = angle.x;
-        (k % 2 ? slot.w : slot.y) = angle.y;
+        (k % 2 ? slot.z : slot.x) = size.x;
+        (k % 2 ? slot.w : slot.y) = size.y;
+        if (model.id == MODEL_CAP_ANTI) (k % 2 ? form[2].w : form[2].z) = size.z;
     }
+    if (model.id == MODEL_CAP_ANTI) form[2].y = dot(vec3(form[0]), vec3(form[1]));
     return form;
 }
 
@@ -108,11 +111,11 @@ Form withAngles(const Model& model, Form form) {
 Form toForm(const Model& model, const Visibility& visibility, const Form* stored, const vec3& normal) {
     if (!stored) return model.fromVisibility ? model.fromVisibility(visibility, normal) : Form{};
     if (model.id == MODEL_ANTI) {
-        const vec2 angle = anglesOf((*stored)[0].w);
-        return {(*stored)[0], (*stored)[0], (*stored)[2], vec4(angle, angle)};
+        const vec3 size = sizeOf((*stored)[0].w);
+        return {(*stored)[0], (*stored)[0], vec4((*stored)[2].x, 0, size.z, size.z), vec4(vec2(size), vec2(size))};
     }
     const Model& chosen = kModels[chosenModel(model.id, *stored)];
-    if (!chosen.fromVisibility) return withAngles(chosen, *stored);
+    if (!chosen.fromVisibility) return withSizes(chosen, *stored);
     Form out = chosen.fromVisibility(visibility, normal);
     out[4] = (*stored)[4];
     return out;

@@ -23,6 +23,7 @@ struct CapLight {
     float angle;          // pseudoAngle(height), and 1 over it
     float inverseAngle;
     float inverseSin;     // 1 over sinRadius
+    float inverseHeight;  // 1 over height
     float shrink;         // see lobeOverMedium (soft.glsl)
     float spread;
 };
@@ -49,7 +50,7 @@ APERTURA_FN CapLight capLight(vec3 axis, float sinRadius) {
     float angle = pseudoAngle(height);
     vec2 rim = rimOf(sinRadius);
     return CapLight(axis, sinRadius, height, PI * sinRadius * sinRadius, rim.x, rim.y, angle, 1.0f / max(angle, 1e-6f),
-                    1.0f / max(sinRadius, 1e-6f), 1.0f - 0.346f * height, 0.309f * sinRadius * sinRadius);
+                    1.0f / max(sinRadius, 1e-6f), 1.0f / max(height, 1e-12f), 1.0f - 0.346f * height, 0.309f * sinRadius * sinRadius);
 }
 
 // The light of a sphere of `radius` metres whose centre lies `toCentre` metres from the receiver.

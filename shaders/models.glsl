@@ -42,7 +42,7 @@ struct Receiver {
 
 APERTURA_FN SoftAperture softIn(vec4 slot) { return SoftAperture(vec3(slot), slot.w); }
 
-APERTURA_FN Aperture apertureIn(vec4 slot, vec2 angle) { return Aperture(vec3(slot), slot.w, angle); }
+APERTURA_FN Aperture apertureIn(vec4 slot, vec3 size) { return Aperture(vec3(slot), slot.w, size); }
 
 // An axis made unit again; where nothing is left of it the normal is the best guess.
 APERTURA_FN vec4 unitAxis(vec4 slot, vec3 normal) {
@@ -57,11 +57,12 @@ APERTURA_FN Receiver settled(int model, Receiver receiver) {
     if (model == MODEL_OAT || model == MODEL_APERTURE || model == MODEL_ALPHA || model == MODEL_ANTI)
         receiver.form[0] = unitAxis(receiver.form[0], receiver.normal);
     if (model == MODEL_ANTI) receiver.form[1] = unitAxis(receiver.form[1], receiver.normal);
-    vec2 angle = anglesOf(receiver.form[0].w);
-    if (model == MODEL_APERTURE || model == MODEL_ALPHA) receiver.form[1] = vec4(receiver.form[1].x, 0.0f, angle.x, angle.y);
+    vec3 size = sizeOf(receiver.form[0].w);
+    if (model == MODEL_APERTURE || model == MODEL_ALPHA) receiver.form[1] = vec4(receiver.form[1].x, size.x, size.y, size.z);
     if (model == MODEL_ANTI) {
-        vec2 other = anglesOf(receiver.form[1].w);
-        receiver.form[3] = vec4(angle.x, angle.y, other.x, other.y);
+        vec3 other = sizeOf(receiver.form[1].w);
+        receiver.form[2] = vec4(receiver.form[2].x, 0.0f, size.z, other.z);
+        receiver.form[3] = vec4(size.x, size.y, other.x, other.y);
     }
     return receiver;
 }
@@ -124,19 +125,23 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
 // E of a cap light at the receiver. `size`: the least of LIGHTS_... that covers it.
 APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, int size) {
     vec3 n = receiver.normal;
-    vec2 zero = vec2(0.0f, 0.0f);  // the published formula has angles of its own
+    vec3 zero = vec3(0.0f);  // the published formula makes its own of the height
     if (model == MODEL_OAT) return oatLightThroughAperture(n, apertureIn(receiver.form[0], zero), light);
-    // Where the angles of the caps stand: sh/models.cpp puts them there.
+    // Where the sizes of the caps stand: sh/models.cpp puts them there.
     if (model == MODEL_APERTURE || model == MODEL_ALPHA) {
-        float e = lightThroughAperture(n, apertureIn(receiver.form[0], vec2(receiver.form[1].z, receiver.form[1].w)), light, size);
+        float e = lightThroughAperture(n, apertureIn(receiver.form[0], vec3(receiver.form[1].y, receiver.form[1].z, receiver.form[1].w)), light, size);
         return model == MODEL_ALPHA ? receiver.form[1].x * e : e;
     }
+    vec4 sizes = receiver.form[3];  // of two
+    vec4 how = receiver.form[2];
+    Aperture first = apertureIn(receiver.form[0], vec3(sizes.x, sizes.y, how.z));
+    Aperture second = apertureIn(receiver.form[1], vec3(sizes.z, sizes.w, how.w));
     if (model == MODEL_ANTI) {
-        vec4 angles = receiver.form[3];
-        float cap = lightThroughAperture(n, apertureIn(receiver.form[0], vec2(angles.x, angles.y)), light, size);
-        float anti = lightOnSurface(n, light, size) - lightThroughAperture(n, apertureIn(receiver.form[1], vec2(angles.z, angles.w)), light, size);
-        return mix(cap, max(anti, 0.0f), receiver.form[2].x);
+        float cap = lightThroughAperture(n, first, light, size);
+        float anti = lightOnSurface(n, light, size) - lightThroughAperture(n, second, light, size);
+        return mix(cap, max(anti, 0.0f), how.x);
     }
+    if (model == MODEL_CAP_ANTI) return lightThroughTwoCaps(n, first, second, how.y, how.x, light, size);
     if (model == MODEL_SOFT) return lightThroughSoft(n, softIn(receiver.form[0]), light, size);
     if (model == MODEL_SOFT_2 || model == MODEL_FIRM_2) return lightThroughLobes(receiver, 2, light, size);
     if (model == MODEL_FIRM_3) return lightThroughLobes(receiver, 3, light, size);
@@ -144,10 +149,6 @@ APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, 
     if (model == MODEL_SOFT_L2)
         return lightThroughQuadric(n, SoftQuadric(vec3(receiver.form[0]), receiver.form[0].w, receiver.form[1], receiver.form[2].x),
                                    light, size);
-    if (model == MODEL_CAP_ANTI)
-        return lightThroughTwoCaps(n, apertureIn(receiver.form[0], vec2(receiver.form[3].x, receiver.form[3].y)),
-                                   apertureIn(receiver.form[1], vec2(receiver.form[3].z, receiver.form[3].w)),
-                                   receiver.form[2].x, light, size);
     if (model == MODEL_HORIZON)
         return lightOverHorizon(n, receiver.form[0], receiver.form[1], receiver.form[2], receiver.form[3], light, size);
     float open = lightOnSurface(n, light, size);
@@ -155,9 +156,11 @@ APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, 
         int count = model == MODEL_MULTI_2 ? 2 : (model == MODEL_MULTI_3 ? 3 : 4);
         float sum = 0.0f;
         for (int k = 0; k < count; ++k) {
-            vec4 angles = receiver.form[count + k / 2];
-            vec2 angle = (k & 1) == 0 ? vec2(angles.x, angles.y) : vec2(angles.z, angles.w);
-            sum += lightThroughAperture(n, apertureIn(receiver.form[k], angle), light, size);
+            // No room for the third of a size: it is made here, for small lights.
+            float third = sizeOf(receiver.form[k].w).z;
+            vec4 two = receiver.form[count + k / 2];
+            vec3 own = (k & 1) == 0 ? vec3(two.x, two.y, third) : vec3(two.z, two.w, third);
+            sum += lightThroughAperture(n, apertureIn(receiver.form[k], own), light, size);
         }
         return min(sum, open);
     }

@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstring>
+#include <memory>
 
 #include "bake/load.h"
 #include "bake/receivers.h"
@@ -125,6 +126,35 @@ void convertAll(benchmark::State& state, Convert&& convert) {
 void ToAperture(benchmark::State& state) { convertAll(state, [](const Visibility& v, const vec3& n) { return toAperture(v, n); }); }
 void ToSoft(benchmark::State& state) { convertAll(state, [](const Visibility& v, const vec3& n) { return toSoft(v, n); }); }
 
+// What a recipe makes of the 256 rays of points from six scenes: points a second on one core, the best
+// pass of all. How its error compares with a long search: Models.FitsAreNoWorse* in model_test.cpp.
+void Fit(benchmark::State& state, const char* name) {
+    const FitTools tools(256);
+    std::vector<Samples> samples;
+    for (const char* scene : {"terrain", "room-3", "canyon", "colonnade", "forest", "statue"}) {
+        const Scene made = makeBuiltin(scene);
+        const Tracer tracer(made);
+        std::vector<SurfacePoint> points;
+        for (const SpreadPoint& p : spreadReceivers(made, 60, 3)) points.push_back(p.at);
+        std::vector<std::unique_ptr<Samples>> each(points.size());
+        samplePoints(tracer, points, tools.lattice, {.threads = 1}, {},
+                     [&](size_t i, const Samples& s, const glm::mat3&) { each[i] = std::make_unique<Samples>(s); });
+        for (const auto& one : each) samples.push_back(*one);
+    }
+    const Recipe& recipe = *findRecipe(name);
+    double least = 1e30;
+    for (auto _ : state)
+        least = std::min(least, seconds([&] {
+                             for (const Samples& s : samples) benchmark::DoNotOptimize(recipe.make(tools, s, glm::mat3(1), {}));
+                         }));
+    state.counters["points_per_s"] = double(samples.size()) / least;
+}
+
+BENCHMARK_CAPTURE(Fit, cap_anti, "cap-anti")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Fit, multi_2, "multi-2")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Fit, firm_2, "firm-2")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Fit, soft_2, "soft-2")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Fit, firm_4, "firm-4")->Unit(benchmark::kMillisecond);
 BENCHMARK(BakeAgainstBareEmbree)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(ToAperture)->Unit(benchmark::kMillisecond);
 BENCHMARK(ToSoft)->Unit(benchmark::kMillisecond);

@@ -1,6 +1,7 @@
 // Every model's form: its bytes, its turning, and what its formula makes of regions with known answers.
 #include "bake/bake.h"
 #include "bake/load.h"
+#include "bake/lobe_sums.h"
 #include "bake/receivers.h"
 #include "runtime/error.h"
 #include "runtime/form_stream.h"
@@ -154,9 +155,62 @@ TEST(Models, TwoOpeningsAreFoundAndLit) {
         auto exact = [&](const dvec3& l) {
             return exactShare({0, 0, 1}, {{l, radius}, {a, ra}}, radius) + exactShare({0, 0, 1}, {{l, radius}, {b, rb}}, radius);
         };
-        for (const char* model : {"multi-2", "cap-anti", "firm-2", "soft-2", "firm-3", "firm-4", "multi-3"})
+        for (const char* model : {"multi-2", "cap-anti", "firm-2", "soft-2", "firm-3", "firm-4"})
             EXPECT_LT(errorOf(model, model, tools, samples, radius, exact), 0.045) << model << " " << radius;
+        // Its third aperture overlaps the others, and light through both counts twice.
+        EXPECT_LT(errorOf("multi-3", "multi-3", tools, samples, radius, exact), 0.065) << radius;
         EXPECT_GT(errorOf("sh", "soft", tools, samples, radius, exact), 0.06);
+    }
+}
+
+// Two openings that are long and narrow: four edges in two pairs, and not four edges of one opening.
+TEST(Models, PairsOfLobesAreSlits) {
+    const FitTools tools(4096);
+    const dvec3 a = normalize(dvec3(1, 0, 0.15)), b = normalize(dvec3(-1, 0, 0.35));
+    const dvec3 c = normalize(dvec3(0.1, 1, 0.05)), d = normalize(dvec3(0.2, -1, 0.3));
+    const double wide = 1.45;
+    auto inside = [&](const dvec3& w, const dvec3& axis) { return dot(w, axis) > std::cos(wide); };
+    const Samples samples = samplesOf(tools.lattice, [&](const dvec3& w) { return (inside(w, a) && inside(w, b)) || (inside(w, c) && inside(w, d)); });
+    const double radius = 0.0873;
+    auto exact = [&](const dvec3& l) {
+        const std::vector<ExactCap> first{{l, radius}, {a, wide}, {b, wide}}, second{{l, radius}, {c, wide}, {d, wide}};
+        const std::vector<ExactCap> both{{l, radius}, {a, wide}, {b, wide}, {c, wide}, {d, wide}};
+        return exactShare({0, 0, 1}, first, radius) + exactShare({0, 0, 1}, second, radius) - exactShare({0, 0, 1}, both, radius);
+    };
+    const double error = errorOf("firm-4", "firm-4", tools, samples, radius, exact);
+    std::printf("two slits: firm-4 %.4f, soft-2 %.4f\n", error, errorOf("soft-2", "soft-2", tools, samples, radius, exact));
+    EXPECT_LT(error, 0.04);
+    EXPECT_GT(errorOf("soft-2", "soft-2", tools, samples, radius, exact), 2 * error);
+}
+
+TEST(Models, SumsAreTheSameOnEveryProcessor) {
+    const SampleLattice lattice(1000);
+    const Samples samples = samplesOf(lattice, [](const dvec3& w) { return w.x + w.z > 0.3; });
+    PatchedSamples patched{{}, samples.open.data(), lattice.blocks, lattice.patchSize, 8, 1, false};
+    for (int f = 0; f < 9; ++f) patched.feature[f] = lattice.feature[f].data();
+    Random random(54);
+    for (int i = 0; i < 100; ++i) {
+        float p[8], tangents[12];
+        for (float& x : p) x = float(random(-30, 30));
+        for (float& x : tangents) x = float(random(-1, 1));
+        LobeSums<2, 4, true> one, other;
+        sumLobes<2, 4, true, 0>(patched, p, tangents, true, one);
+        plain::sumLobes<2, 4, true, 0>(patched, p, tangents, true, other);
+        for (int a = 0; a < one.N + 1; ++a) {
+            ASSERT_EQ(one.sums[a], other.sums[a]);
+            for (int b = 0; b <= a; ++b) ASSERT_EQ(one.products[a][b], other.products[a][b]);
+        }
+        // And the derivatives are those of the value.
+        const float step = 0.02f;
+        LobeSums<2, 4, true> up, down;
+        for (const float sign : {1.0f, -1.0f}) {
+            float moved[8];
+            std::copy_n(p, 8, moved);
+            moved[4] += sign * step;  // the second lobe's offset, column 3
+            sumLobes<2, 4, true, 0>(patched, moved, tangents, false, sign > 0 ? up : down);
+        }
+        const double slope = (up.products[6][6] - down.products[6][6]) / (4 * step);
+        ASSERT_NEAR(one.products[6][3], slope, 0.02 * std::abs(slope) + 2e-3);
     }
 }
 
@@ -167,7 +221,7 @@ TEST(Models, FitsAreNoWorseThanALongSearch) {
     for (const SpreadPoint& p : spreadReceivers(scene, 24, 3)) points.push_back(p.at);
     const FitTools tools(256);
     const CapDictionary fine(tools.lattice, 200, 20);
-    for (const float firmness : {0.0f, kFirmness}) {
+    for (const float firmness : {0.0f, kFirmness, 2 * kFirmness}) {  // soft, firm, and as caps are
         double own = 0, slow = 0;
         samplePoints(tracer, points, tools.lattice, {.rays = 256, .threads = 1}, {}, [&](size_t, const Samples& samples, const mat3&) {
             LobeFitOptions how;
@@ -179,7 +233,7 @@ TEST(Models, FitsAreNoWorseThanALongSearch) {
             slow += fitLobes(samples, fine, LobeFitSides::Both, how).error;
         });
         std::printf("two lobes, firmness %g: %.4f, after a long search %.4f\n", firmness, std::sqrt(own / 24), std::sqrt(slow / 24));
-        EXPECT_LE(std::sqrt(own), 1.12 * std::sqrt(slow));
+        EXPECT_LE(std::sqrt(own), (firmness > 0 ? 1.03 : 1.12) * std::sqrt(slow));
     }
 }
 
