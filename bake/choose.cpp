@@ -41,7 +41,7 @@ std::vector<float> visibleTo(const SampleLattice& lattice, int model, const Bake
     const float s = 1e-3f;
     for (const vec3& w : lattice.directions()) {
         const CapLight light = capLight(w, s);
-        out.push_back(lightThrough(model, receiver, light, LIGHTS_SMALL) / std::max(lightOnSurface(normal, light, LIGHTS_SMALL), 1e-12f));
+        out.push_back(lightThrough(model, receiver, light, LIGHTS_SUN) / std::max(lightOnSurface(normal, light, LIGHTS_SUN), 1e-12f));
     }
     return out;
 }

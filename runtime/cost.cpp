@@ -125,7 +125,7 @@ std::vector<double> measuredCosts(const Gpu& gpu, std::span<const CostCase> case
     std::vector<double> least(cases.size(), 1e30);
     for (int round = 0; round < rounds; ++round)
         for (size_t i = 0; i < cases.size(); ++i) {
-            pipelines.setLight(cases[i].size == LIGHTS_SMALL ? 0.00465f : cases[i].size == LIGHTS_MEDIUM ? 0.087f : 0.259f);
+            pipelines.setLight(cases[i].size == LIGHTS_SUN ? 0.00465f : cases[i].size == LIGHTS_SMALL ? 0.0436f : cases[i].size == LIGHTS_MEDIUM ? 0.087f : 0.259f);
             gpu.run([&](VkCommandBuffer commands) {
                 vkCmdResetQueryPool(commands, pool, 0, 2);
                 vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool, 0);

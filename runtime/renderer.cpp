@@ -113,7 +113,7 @@ VkPipeline Renderer::pipeline(const Model& model, int size, const GpuBindings& b
 }
 
 Picture Renderer::draw(const View& view, const Model& model) {
-    int size = LIGHTS_SMALL;
+    int size = LIGHTS_SUN;
     for (const Light& light : view.lights)
         size = std::min(size, light.place.w > 0 ? LIGHTS_ANY : lightsOf(light.shape.x));
     const GpuBindings& bindings = *forms(model).bindings;

@@ -19,7 +19,8 @@ Form oneCap(const Visibility& v, const vec3& normal) {
 }
 
 // The cap of uniform opacity with all four numbers: its height from |D| / A, which is 1 - height / 2.
-Form alphaCap(const Visibility& v, const vec3& normal) {
+Form alphaCap(const Visibility& any, const vec3& normal) {
+    const Visibility v = clampToPossible(any);
     Aperture a = toAperture(v, normal);
     const float share = v.area > 0 ? length(v.direction) / v.area : 1;
     const float area = a.height;
@@ -28,7 +29,8 @@ Form alphaCap(const Visibility& v, const vec3& normal) {
 }
 
 // The cap and the anti-cap of the blocked part, weighed by which of the two is nearer to being a cap.
-Form capAndAnti(const Visibility& v, const vec3& normal) {
+Form capAndAnti(const Visibility& any, const vec3& normal) {
+    const Visibility v = clampToPossible(any);
     const Visibility blocked{PI * normal - v.direction, 2 * PI - v.area};
     auto deficit = [](const Visibility& x) {
         return std::max(x.area * (1 - x.area / (4 * PI)) - length(x.direction), 0.0f);
@@ -40,34 +42,40 @@ Form capAndAnti(const Visibility& v, const vec3& normal) {
             vec4(vec2(cap.size), vec2(anti.size))};
 }
 
+// A lobe's edge no harder than a sun's is wide: a point-like light would step over a harder one.
+vec4 softened(const vec4& lobe) {
+    constexpr float kSharpest = 240;
+    return lobe * std::min(1.0f, kSharpest / std::max(length(vec3(lobe)), 1e-6f));
+}
+
 Form oneLobe(const Visibility& v, const vec3& normal) {
     const SoftAperture s = toSoft(v, normal);
-    return {vec4(s.slope, s.offset)};
+    return {softened(vec4(s.slope, s.offset))};
 }
 
 using enum Field;
 constexpr Model kModels[] = {
-    {MODEL_UNSHADOWED, "unshadowed", 0, 0, true, "N.L, no visibility: the baseline of cost", nothing, {}, 0, -1},
-    {MODEL_AO, "ao", 1, 0, true, "visible area alone", nothing, {}, 0, -1},
-    {MODEL_SH_L1, "sh-l1", 4, 0, true, "SH bands 0 and 1 of visibility, evaluated at the light", nothing, {}, 0, -1},
-    {MODEL_SH_L2, "sh-l2", 9, 2, true, "SH bands 0 to 2", nullptr, {Bands2}, 1, -1},
-    {MODEL_SH_L4, "sh-l4", 25, 6, true, "SH bands 0 to 4", nullptr, {Bands4}, 1, -1},
-    {MODEL_OAT, "oat", 3, 1, true, "aperture, formula as published in 2006", oneCap, {}, 0, -1},
-    {MODEL_APERTURE, "aperture", 3, 2, true, "aperture, exact overlap of caps within 0.003", oneCap, {}, 0, -1},
-    {MODEL_ALPHA, "alpha", 4, 2, true, "translucent aperture with all four numbers", alphaCap, {}, 0, -1},
-    {MODEL_ANTI, "anti", 4, 4, true, "aperture, anti-aperture or a blend of both", capAndAnti, {Cap}, 1, 2},
-    {MODEL_SOFT, "soft", 4, 1, true, "soft-edged aperture, uses all four numbers", oneLobe, {}, 0, -1},
-    {MODEL_FIRM_2, "firm-2", 6, 3, false, "two hard-edged lobes", nullptr, {FirmLobe, FirmLobe}, 2, 2},
-    {MODEL_SOFT_2, "soft-2", 8, 3, false, "two soft lobes", nullptr, {Lobe, Lobe}, 2, 2},
-    {MODEL_SOFT_L2, "soft-l2", 9, 3, true, "soft aperture with a quadratic exponent", nullptr, {Lobe, Bend}, 2, -1},
-    {MODEL_FIRM_3, "firm-3", 9, 4, false, "three hard-edged lobes", nullptr, {FirmLobe, FirmLobe, FirmLobe}, 3, 3},
-    {MODEL_FIRM_4, "firm-4", 12, 5, false, "four hard-edged lobes", nullptr, {FirmLobe, FirmLobe, FirmLobe, FirmLobe}, 4, 4},
-    {MODEL_MULTI_2, "multi-2", 6, 3, false, "two apertures", nullptr, {Cap, Cap}, 2, -1},
-    {MODEL_MULTI_3, "multi-3", 9, 5, false, "three apertures", nullptr, {Cap, Cap, Cap}, 3, -1},
-    {MODEL_MULTI_4, "multi-4", 12, 6, false, "four apertures", nullptr, {Cap, Cap, Cap, Cap}, 4, -1},
-    {MODEL_CAP_ANTI, "cap-anti", 6, 4, false, "two of aperture and anti-aperture", nullptr, {Cap, Cap}, 2, 2},
-    {MODEL_HORIZON, "horizon", 16, 4, false, "horizon at 16 azimuths: the rival", nullptr, {Heights}, 1, -1},
-    {MODEL_AUTO, "auto", 0, 5, false, "the least model, chosen for each point", nullptr, {}, 0, -1},
+    {MODEL_UNSHADOWED, "unshadowed", 0, 0, true, true, "N.L, no visibility: the baseline of cost", nothing, {}, 0, -1},
+    {MODEL_AO, "ao", 1, 0, true, true, "visible area alone", nothing, {}, 0, -1},
+    {MODEL_SH_L1, "sh-l1", 4, 0, true, true, "SH bands 0 and 1 of visibility, evaluated at the light", nothing, {}, 0, -1},
+    {MODEL_SH_L2, "sh-l2", 9, 2, true, true, "SH bands 0 to 2", nullptr, {Bands2}, 1, -1},
+    {MODEL_SH_L4, "sh-l4", 25, 6, true, true, "SH bands 0 to 4", nullptr, {Bands4}, 1, -1},
+    {MODEL_OAT, "oat", 3, 1, true, true, "aperture, formula as published in 2006", oneCap, {}, 0, -1},
+    {MODEL_APERTURE, "aperture", 3, 2, true, false, "aperture, exact overlap of caps within 0.003", oneCap, {}, 0, -1},
+    {MODEL_ALPHA, "alpha", 4, 2, true, false, "translucent aperture with all four numbers", alphaCap, {}, 0, -1},
+    {MODEL_ANTI, "anti", 4, 4, true, false, "aperture, anti-aperture or a blend of both", capAndAnti, {Cap}, 1, 2},
+    {MODEL_SOFT, "soft", 4, 1, true, false, "soft-edged aperture, uses all four numbers", oneLobe, {}, 0, -1},
+    {MODEL_FIRM_2, "firm-2", 6, 3, false, false, "two hard-edged lobes", nullptr, {FirmLobe, FirmLobe}, 2, 2},
+    {MODEL_SOFT_2, "soft-2", 8, 3, false, false, "two soft lobes", nullptr, {Lobe, Lobe}, 2, 2},
+    {MODEL_SOFT_L2, "soft-l2", 9, 3, true, false, "soft aperture with a quadratic exponent", nullptr, {Lobe, Bend}, 2, -1},
+    {MODEL_FIRM_3, "firm-3", 9, 4, false, false, "three hard-edged lobes", nullptr, {FirmLobe, FirmLobe, FirmLobe}, 3, 3},
+    {MODEL_FIRM_4, "firm-4", 12, 5, false, false, "four hard-edged lobes", nullptr, {FirmLobe, FirmLobe, FirmLobe, FirmLobe}, 4, 4},
+    {MODEL_MULTI_2, "multi-2", 6, 3, false, false, "two apertures", nullptr, {Cap, Cap}, 2, -1},
+    {MODEL_MULTI_3, "multi-3", 9, 5, false, false, "three apertures", nullptr, {Cap, Cap, Cap}, 3, -1},
+    {MODEL_MULTI_4, "multi-4", 12, 6, false, false, "four apertures", nullptr, {Cap, Cap, Cap, Cap}, 4, -1},
+    {MODEL_CAP_ANTI, "cap-anti", 6, 4, false, false, "two of aperture and anti-aperture", nullptr, {Cap, Cap}, 2, 2},
+    {MODEL_HORIZON, "horizon", 16, 4, false, true, "horizon at 16 azimuths: the rival", nullptr, {Heights}, 1, -1},
+    {MODEL_AUTO, "auto", 0, 5, false, false, "the least model, chosen for each point", nullptr, {}, 0, -1},
 };
 static_assert(std::size(kModels) == MODEL_COUNT);
 static_assert([] {
@@ -88,8 +96,9 @@ const Model* findModel(std::string_view name) {
 
 namespace {
 
-// The sizes of stored caps, in the slots behind them where models.glsl looks for them.
-Form withSizes(const Model& model, Form form) {
+// Stored lobes softened, and the sizes of stored caps in the slots behind them where models.glsl looks for them.
+Form ready(const Model& model, Form form) {
+    for (int k = 0; k < model.storedFields && model.stored[size_t(k)] == Lobe; ++k) form[size_t(k)] = softened(form[size_t(k)]);
     int caps = 0;
     while (caps < model.storedFields && model.stored[size_t(caps)] == Cap) ++caps;
     const int behind = model.inverseSlot >= 0 ? model.inverseSlot + 1 : caps;
@@ -108,14 +117,16 @@ Form withSizes(const Model& model, Form form) {
 
 }  // namespace
 
-Form toForm(const Model& model, const Visibility& visibility, const Form* stored, const vec3& normal) {
+Form toForm(const Model& model, const Visibility& visibility, const Form* stored, const vec3& anyNormal) {
+    const float squared = dot(anyNormal, anyNormal);
+    const vec3 normal = squared > 0 && std::isfinite(squared) ? anyNormal / std::sqrt(squared) : vec3(0, 1, 0);
     if (!stored) return model.fromVisibility ? model.fromVisibility(visibility, normal) : Form{};
     if (model.id == MODEL_ANTI) {
         const vec3 size = sizeOf((*stored)[0].w);
         return {(*stored)[0], (*stored)[0], vec4((*stored)[2].x, 0, size.z, size.z), vec4(vec2(size), vec2(size))};
     }
     const Model& chosen = kModels[chosenModel(model.id, *stored)];
-    if (!chosen.fromVisibility) return withSizes(chosen, *stored);
+    if (!chosen.fromVisibility) return ready(chosen, *stored);
     Form out = chosen.fromVisibility(visibility, normal);
     out[4] = (*stored)[4];
     return out;

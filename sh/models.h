@@ -34,6 +34,7 @@ struct Model {
     int numbers;             // a point, that the light's formula reads
     int slots;               // of its form
     bool mixes;              // forms may be interpolated; otherwise the light of three corners is
+    bool baseline;           // a rival, or as published: kept as it is where it fails
     std::string_view what;   // for people
     // The form, from the four numbers; nothing where the model is stored instead.
     Form (*fromVisibility)(const Visibility&, const vec3& normal);
@@ -67,7 +68,7 @@ Form unpackForm(const Model& model, std::span<const float> numbers);
 Form rotateForm(const Model& model, Form form, const mat3& rotation);
 
 // The form that the shader reads: as it was stored, or made from the four numbers where `stored` is null or
-// the choice of MODEL_AUTO stores nothing.
+// the choice of MODEL_AUTO stores nothing. `normal` of any length; of none it is +Y.
 Form toForm(const Model& model, const Visibility& visibility, const Form* stored, const vec3& normal);
 
 inline Receiver toReceiver(const Visibility& v, const Form& form, const vec3& normal) {
@@ -83,7 +84,7 @@ inline Receiver toReceiver(const Model& model, const Visibility& v, const vec3& 
 
 // The formulas to use for lights up to this radius, as sin(radius): LIGHTS_...
 inline int lightsOf(float sinRadius) {
-    return sinRadius <= 0.0524f ? LIGHTS_SMALL : sinRadius <= 0.1737f ? LIGHTS_MEDIUM : LIGHTS_ANY;
+    return sinRadius <= 0.0105f ? LIGHTS_SUN : sinRadius <= 0.0524f ? LIGHTS_SMALL : sinRadius <= 0.1737f ? LIGHTS_MEDIUM : LIGHTS_ANY;
 }
 
 }  // namespace apertura

@@ -14,7 +14,7 @@ struct Aperture {
 APERTURA_FN vec3 sizeOf(float height) {
     float h = clamp(height, 0.0f, 2.0f);
     float angle = pseudoAngle(h);
-    return vec3(angle, 1.0f / max(angle, 1e-5f), inversesqrt(max(h * (2.0f - h), 1e-8f)));
+    return vec3(angle, 1.0f / max(angle, 1e-9f), inversesqrt(max(h * (2.0f - h), 1e-18f)));
 }
 
 APERTURA_FN Aperture makeAperture(vec3 axis, float height) { return Aperture(axis, height, sizeOf(height)); }
@@ -53,35 +53,40 @@ APERTURA_FN float oatLightThroughAperture(vec3 normal, Aperture aperture, CapLig
     return area * max(dot(normal, normalize(aperture.axis + light.axis)), 0.0f);
 }
 
-// The share of a small light's disc inside an aperture: its edge is a chord across the disc. Within 0.0011
-// RMS of exact up to 2 degrees while the aperture is the larger.
-APERTURA_FN float chordShare(Aperture aperture, CapLight light) {
-    float inside = (dot(aperture.axis, light.axis) - 1.0f + aperture.height) * aperture.size.z;
-    float x = clamp(0.5f + 0.5f * inside * light.inverseSin, 0.0f, 1.0f);
-    return x * (1.0f + 0.6687f * (1.0f - x) * (2.0f * x - 1.0f));
+// 1 less the cosine between two unit axes, with no cancellation where they nearly agree.
+APERTURA_FN float distanceOf(vec3 a, vec3 b) {
+    vec3 difference = a - b;
+    return 0.5f * dot(difference, difference);
 }
 
-// How a light lies to an aperture, from the cosine between their axes.
+// The share of a disc beyond a chord, from how far the chord has gone across it, 0..1. Within 0.001, and no
+// steeper than the exact one.
+APERTURA_FN float discShare(float x) {
+    float bulge = x - x * x;
+    return x + bulge * (2.0f * x - 1.0f) * (0.7458f - 0.88f * bulge);
+}
+
+// How a light lies to an aperture, from the distance between their axes.
 struct Overlap {
     float share;     // of the smaller of the two caps, inside the other: 0..1
-    float distance;  // 1 less that cosine
+    float distance;  // distanceOf the axes
     float inverse;   // 1 over the pseudo-angle between the axes
 };
 
-APERTURA_FN Overlap overlapOf(float cosine, float height, vec3 apertureSize, CapLight light, int size) {
+APERTURA_FN Overlap overlapOf(float distance, float height, vec3 apertureSize, CapLight light, int size) {
     float R = apertureSize.x;
     float inverseR = apertureSize.y;
     float r = light.angle;
     Overlap o;
-    o.distance = max(1.0f - cosine, 1e-7f);
+    o.distance = max(distance, 1e-20f);
     float root = inversesqrt(o.distance);
     float d = o.distance * root * (1.3946f + 0.233f * o.distance);
-    o.inverse = size == LIGHTS_MEDIUM ? root * (0.7165f - 0.1033f * o.distance)
+    o.inverse = size != LIGHTS_ANY ? root * (0.7165f - 0.1033f * o.distance)
                                       : root * (0.717f - 0.1198f * o.distance + 0.02f * o.distance * o.distance);
     // x: how far the light has come in, 0 touching from outside .. 1 nested.
     float x = clamp((R + r - d) * 0.5f * max(inverseR, light.inverseAngle), 0.0f, 1.0f);
     float k = min(R * light.inverseAngle, r * inverseR);
-    float larger = size == LIGHTS_MEDIUM ? height : max(height, light.height);
+    float larger = size != LIGHTS_ANY ? height : max(height, light.height);
     float bulge = k * (0.2736f * larger - 0.2736f - 0.1778f * k) + (0.4375f - 0.1141f * k) * (2.0f * x - 1.0f);
     o.share = clamp(x + (x - x * x) * bulge, 0.0f, 1.0f);
     return o;
@@ -100,26 +105,30 @@ APERTURA_FN float centroidCosine(Overlap o, float na, float nl, vec3 apertureSiz
 // A fit of our own to the exact overlap of three caps: tests/aperture_test.cpp holds it to 0.003 RMS
 // and 0.035 max of the light's own E, for light radii 0.27..45 degrees.
 APERTURA_FN float lightThroughAperture(vec3 normal, Aperture aperture, CapLight light, int size) {
-    if (size == LIGHTS_SMALL) return lightOnSurface(normal, light, size) * chordShare(aperture, light);
-    Overlap o = overlapOf(dot(aperture.axis, light.axis), aperture.height, aperture.size, light, size);
+    Overlap o = overlapOf(distanceOf(aperture.axis, light.axis), aperture.height, aperture.size, light, size);
+    if (size >= LIGHTS_SMALL) return lightOnSurface(normal, light, size) * o.share * min(aperture.height * light.inverseHeight, 1.0f);
     float H = o.share * min(aperture.height, light.height);
     float z = centroidCosine(o, dot(normal, aperture.axis), dot(normal, light.axis), aperture.size, light, size);
     float s2 = H * (2.0f - H);
     // The overlap's rim is the light's own, or less where it is the smaller.
     vec2 rim = size == LIGHTS_MEDIUM ? vec2(light.rim, light.rimSlope) : rimOf(sqrt(s2));
-    return PI * s2 * horizonCosine(z, rim.x, rim.y);
+    float e = PI * s2 * horizonCosine(z, rim.x, rim.y);
+    return size == LIGHTS_MEDIUM ? e : min(e, lightAboveHorizon(normal, light));
 }
 
 // The share of a light's E inside an aperture of any height: one over a hemisphere is what its complement
 // leaves; its size is that one's already.
 APERTURA_FN float apertureShare(vec3 normal, Aperture aperture, CapLight light, int size) {
-    if (size == LIGHTS_SMALL) return chordShare(aperture, light);
+    if (size >= LIGHTS_SMALL) {  // its edge is a chord across the light's disc
+        float inside = (dot(aperture.axis, light.axis) - 1.0f + aperture.height) * aperture.size.z;
+        return discShare(clamp(0.5f + 0.5f * inside * light.inverseSin, 0.0f, 1.0f));
+    }
     bool large = aperture.height > 1.0f;
     float height = large ? 2.0f - aperture.height : aperture.height;
     float share = 0.0f;
     if (size == LIGHTS_MEDIUM) {
         float side = large ? -1.0f : 1.0f;
-        Overlap o = overlapOf(side * dot(aperture.axis, light.axis), height, aperture.size, light, size);
+        Overlap o = overlapOf(1.0f - side * dot(aperture.axis, light.axis), height, aperture.size, light, size);
         float nl = dot(normal, light.axis);
         float z = centroidCosine(o, side * dot(normal, aperture.axis), nl, aperture.size, light, size);
         float open = horizonCosine(nl, light.rim, light.rimSlope);
@@ -145,7 +154,7 @@ APERTURA_FN float lightThroughTwoCaps(vec3 normal, Aperture a, Aperture b, float
     float inverseM = inversesqrt(mm);
     float c = clamp((between - al * bl) * inverseM, -1.0f, 1.0f);
     float w = c * (0.64f + 0.36f * c * c);
-    if (size != LIGHTS_SMALL) w = w / (1.0f + 0.15f * light.sinRadius * light.sinRadius * inverseM);
+    if (size < LIGHTS_SMALL) w = w / (1.0f + 0.15f * light.sinRadius * light.sinRadius * inverseM);
     float both = p * q + abs(w) * ((w > 0.0f ? min(p, q) : max(p + q - 1.0f, 0.0f)) - p * q);
     return lightOnSurface(normal, light, size) * (inverse > 0.5f ? 1.0f - both : both);
 }

@@ -45,12 +45,14 @@ APERTURA_FN vec2 rimOf(float s) {
     return vec2(k, k * (1.1268f - 0.2418f * s2 - 0.012f * s2 * s2) / max(s, 1e-6f));
 }
 
-APERTURA_FN CapLight capLight(vec3 axis, float sinRadius) {
+// `towards`: of any length; of none, the light shines from nowhere.
+APERTURA_FN CapLight capLight(vec3 towards, float sinRadius) {
+    vec3 axis = towards * inversesqrt(max(dot(towards, towards), 1e-30f));
     float height = heightFromSin(sinRadius);
     float angle = pseudoAngle(height);
     vec2 rim = rimOf(sinRadius);
-    return CapLight(axis, sinRadius, height, PI * sinRadius * sinRadius, rim.x, rim.y, angle, 1.0f / max(angle, 1e-6f),
-                    1.0f / max(sinRadius, 1e-6f), 1.0f / max(height, 1e-12f), 1.0f - 0.346f * height, 0.309f * sinRadius * sinRadius);
+    return CapLight(axis, sinRadius, height, PI * sinRadius * sinRadius, rim.x, rim.y, angle, 1.0f / max(angle, 1e-9f),
+                    1.0f / max(sinRadius, 1e-9f), 1.0f / max(height, 1e-18f), 1.0f - 0.346f * height, 0.62f * sinRadius * sinRadius);
 }
 
 // The light of a sphere of `radius` metres whose centre lies `toCentre` metres from the receiver.
@@ -77,10 +79,11 @@ APERTURA_FN float lightAboveHorizon(vec3 normal, CapLight light) {
 const int LIGHTS_ANY = 0;     // radii up to 45 degrees
 const int LIGHTS_MEDIUM = 1;  // up to 10 degrees: what the horizon leaves of a light does not move its centre
 const int LIGHTS_SMALL = 2;   // up to 3 degrees: a flat disc, and a horizon that cuts at its centre
+const int LIGHTS_SUN = 3;     // up to 0.6 degrees: edges of lobes are softer than the light is wide
 
 // E of an unblocked cap light, by the cheapest formula that is right for its size.
 APERTURA_FN float lightOnSurface(vec3 normal, CapLight light, int size) {
-    if (size == LIGHTS_SMALL) return light.area * max(dot(normal, light.axis), 0.0f);
+    if (size >= LIGHTS_SMALL) return light.area * max(dot(normal, light.axis), 0.0f);
     return lightAboveHorizon(normal, light);
 }
 

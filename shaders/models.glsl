@@ -52,7 +52,7 @@ APERTURA_FN vec4 unitAxis(vec4 slot, vec3 normal) {
 }
 
 // A receiver whose form was interpolated, ready for its model: the axes of apertures have become shorter, and
-// their angles are made anew.
+// their sizes are made anew.
 APERTURA_FN Receiver settled(int model, Receiver receiver) {
     if (model == MODEL_OAT || model == MODEL_APERTURE || model == MODEL_ALPHA || model == MODEL_ANTI)
         receiver.form[0] = unitAxis(receiver.form[0], receiver.normal);
@@ -103,8 +103,8 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
     vec4 how = receiver.form[count];
     vec4 each = vec4(1.0f);
     float visible = 0.0f;
-    if (size == LIGHTS_SMALL) {
-        for (int k = 0; k < count; ++k) each[k] = link(receiver.form[k].w + dot(vec3(receiver.form[k]), light.axis));
+    if (size >= LIGHTS_SMALL) {
+        for (int k = 0; k < count; ++k) each[k] = size == LIGHTS_SUN ? lobeAt(softIn(receiver.form[k]), light) : lobeOverMedium(softIn(receiver.form[k]), light);
         visible = lobesTogether(each, count, how);
     } else if (size == LIGHTS_MEDIUM) {
         for (int k = 0; k < count; ++k) {
@@ -167,7 +167,7 @@ APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, 
     if (model == MODEL_SH_L1) return open * shVisibility(receiver, light, 1);
     if (model == MODEL_SH_L2) return open * shVisibility(receiver, light, 2);
     if (model == MODEL_SH_L4) return open * shVisibility(receiver, light, 4);
-    if (model == MODEL_AO) return open * receiver.visibility.w / (2.0f * PI);
+    if (model == MODEL_AO) return open * min(receiver.visibility.w / (2.0f * PI), 1.0f);
     return open;
 }
 

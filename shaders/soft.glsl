@@ -22,7 +22,7 @@ struct DiscLaw {
     float across;    // squared half breadth of the line that stands for the disc, in squared sines,
     float through;   // and for the bulge, in squared heights
 };
-APERTURA_FN DiscLaw wholeDisc() { return DiscLaw(0.46f, 0.433f, 0.155f, 0.648f, 0.081f); }
+APERTURA_FN DiscLaw wholeDisc() { return DiscLaw(0.46f, 0.433f, 0.155f, 0.648f, 0.2f); }
 APERTURA_FN DiscLaw quarterDisc() { return DiscLaw(0.452f, 0.325f, 0.089f, 0.623f, 0.194f); }
 
 // The mean of link(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
@@ -36,26 +36,33 @@ APERTURA_FN float linkOverLight(vec3 normal, float centre, vec3 slope, CapLight 
     float f = centre - law.shrink * light.height * along + lean * (dot(slope, normal) - along * z);
     float through = light.height * along;
     float q2 = law.across * s * s * max(dot(slope, slope) - along * along, 0.0f) + law.through * through * through;
+    f = clamp(f, -1e6f, 1e6f);  // whose fourth power is a number
+    q2 = min(q2, 1e12f);
     // 1/2 + f / (sqrt(1 + (f + q)^2) + sqrt(1 + (f - q)^2)), with one root less.
     float b = 1.0f + f * f + q2;
     return clamp(0.5f + 0.5f * f * inversesqrt(0.5f * (b + sqrt(max(b * b - 4.0f * f * f * q2, 0.0f)))), 0.0f, 1.0f);
 }
 
-// The mean of link over a light of medium size, cheaply: the line's breadth is one more term under the root.
+// Of a light so small that it is a point.
+APERTURA_FN float lobeAt(SoftAperture lobe, CapLight light) { return link(lobe.offset + dot(lobe.slope, light.axis)); }
+
+// The mean of link over a small light or one of medium size, cheaply: the line's breadth is one more term under
+// the root. It is as broad as makes an edge no steeper than the light itself does, whose rim is all that a hard
+// edge can sweep: half as broad would be nearer to the integral, and step.
 APERTURA_FN float lobeOverMedium(SoftAperture lobe, CapLight light) {
     float along = dot(lobe.slope, light.axis);
     float f = lobe.offset + along * light.shrink;
-    return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f + light.spread * (dot(lobe.slope, lobe.slope) - along * along));
+    return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f + light.spread * max(dot(lobe.slope, lobe.slope) - along * along, 0.0f));
 }
 
 // E of a cap light through a soft aperture, cut by the receiver's horizon. Of the model's own integral over
-// the light it is within 0.010 RMS (0.15 max) for radii 0.27..45 degrees, and in the cheaper classes within
-// 0.008 (small) and 0.012 (medium): tests/soft_test.cpp.
+// the light it is within 0.010 RMS (0.10 max) for radii 0.27..45 degrees, and in the cheaper classes within
+// 0.008 (small) and 0.017 (medium): tests/soft_test.cpp.
 APERTURA_FN float lightThroughSoft(vec3 normal, SoftAperture soft, CapLight light, int size) {
     float visible = 0.0f;
-    if (size == LIGHTS_SMALL) {
-        visible = link(soft.offset + dot(soft.slope, light.axis));
-    } else if (size == LIGHTS_MEDIUM) {
+    if (size == LIGHTS_SUN) {
+        visible = lobeAt(soft, light);
+    } else if (size != LIGHTS_ANY) {
         visible = lobeOverMedium(soft, light);
     } else {
         visible = linkOverLight(normal, soft.offset + dot(soft.slope, light.axis), soft.slope, light, wholeDisc());
@@ -72,7 +79,10 @@ struct FourLights {
 };
 
 APERTURA_FN FourLights quarters(vec3 normal, CapLight light) {
-    vec3 u = tangentTo(light.axis);
+    // The normal's tangent carried along to the light: it never turns at once, but for a light at the nadir.
+    vec3 n = normal * inversesqrt(max(dot(normal, normal), 1e-30f));
+    vec3 t = tangentTo(n);
+    vec3 u = t - dot(t, light.axis) / max(1.0f + dot(n, light.axis), 1e-3f) * (light.axis + n);
     vec3 v = cross(light.axis, u);
     float side = 0.632f * light.sinRadius;
     vec3 centre = sqrt(1.0f - side * side) * light.axis;
@@ -84,7 +94,7 @@ APERTURA_FN FourLights quarters(vec3 normal, CapLight light) {
     four.axis[3] = centre - side * v;
     float sum = 0.0f;
     for (int i = 0; i < 4; ++i) {
-        four.weight[i] = horizonCosine(dot(normal, four.axis[i]), four.part.rim, four.part.rimSlope) + 1e-6f;
+        four.weight[i] = horizonCosine(dot(n, four.axis[i]), four.part.rim, four.part.rimSlope) + 1e-6f;
         sum += four.weight[i];
     }
     float scale = 1.0f / sum;
@@ -116,9 +126,9 @@ APERTURA_FN float lightThroughQuadric(vec3 normal, SoftQuadric soft, CapLight li
     float visible = 0.0f;
     vec3 bend = bendTimes(soft, light.axis);
     float centre = soft.offset + dot(soft.slope + bend, light.axis);
-    if (size == LIGHTS_SMALL) {
+    if (size == LIGHTS_SUN) {
         visible = link(centre);
-    } else if (size == LIGHTS_MEDIUM) {
+    } else if (size != LIGHTS_ANY) {
         visible = linkOverLight(normal, centre, soft.slope + 2.0f * bend, light, wholeDisc());
     } else {
         FourLights four = quarters(normal, light);

@@ -29,7 +29,7 @@ struct Arguments {
 
 // Radeons that Mesa's compiler states costs for: one of RDNA2 and one of GCN4.
 const char* const kFamilies[] = {"navi21", "polaris10"};
-constexpr int kSizes[] = {LIGHTS_SMALL, LIGHTS_MEDIUM, LIGHTS_ANY};
+constexpr int kSizes[] = {LIGHTS_SUN, LIGHTS_SMALL, LIGHTS_MEDIUM, LIGHTS_ANY};
 constexpr double kMapRadius = 5;  // degrees, of the light that error maps show
 
 // By model and class of lights, above what N.L alone costs there.

@@ -1,0 +1,117 @@
+// Where methods break: singular configurations, hostile numbers, every packed value, and the scenes' own steps.
+#include "bake/stability.h"
+
+#include <cstdlib>
+
+#include "bake/load.h"
+#include "runtime/renderer.h"
+#include "sh/packing.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+// APERTURA_EXHAUSTIVE=1 in the environment runs what takes minutes: 1e9 inputs here, 1e7 on the device, and all
+// values of 32 bits.
+bool exhaustive() { return std::getenv("APERTURA_EXHAUSTIVE") != nullptr; }
+
+std::vector<float> onDevice(const Gpu& gpu, int model, int size, const std::vector<Evaluation>& inputs) {
+    std::vector<float> out;
+    for (const vec2& e : evaluateOnDevice(gpu, model, size, inputs)) out.push_back(e.x);
+    return out;
+}
+
+TEST(Stability, NoInputGivesWhatIsNotANumberOrTooMuchLight) {
+    const uint64_t inputs = exhaustive() ? uint64_t(1e9) / 15 : 100000;
+    for (const Model& model : models()) {
+        const HostileCount count = countHostile(model, 1, inputs);
+        if (model.id == MODEL_OAT) {
+            EXPECT_GT(count.notFinite, 0u) << "the published formula is not a number where the axes are opposite";
+        } else {
+            EXPECT_EQ(count.notFinite, 0u) << model.name;
+        }
+        if (!model.baseline) {
+            EXPECT_EQ(count.outside, 0u) << model.name;
+        }
+    }
+}
+
+TEST(Stability, NorDoesItOnTheDevice) {
+    const Gpu gpu({.validate = true});
+    const uint64_t inputs = exhaustive() ? uint64_t(1e7) / 15 : 10000;
+    for (const Model& model : models()) {
+        if (model.baseline) continue;
+        const HostileCount count = countHostile(model, 2, inputs, [&](int id, int size, const std::vector<Evaluation>& e) { return onDevice(gpu, id, size, e); });
+        EXPECT_EQ(count.notFinite, 0u) << model.name;
+        EXPECT_EQ(count.outside, 0u) << model.name;
+    }
+    for (const std::string& message : gpu.messages()) ADD_FAILURE() << message;
+}
+
+TEST(Stability, AperturesKeepToTheExactOverlapInEverySweep) {
+    const FitTools tools(256);
+    double oat = 0;
+    for (const Sweep& sweep : singularSweeps()) {
+        if (sweep.name == "axis of no length") continue;  // it is the normal in the end
+        for (const Model& model : models()) {
+            const bool apertures = model.id == MODEL_APERTURE || model.id == MODEL_ALPHA || model.id == MODEL_ANTI;
+            if (!apertures && model.id != MODEL_OAT) continue;
+            const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);
+            if (!apertures) {
+                oat = std::max(oat, row.error);
+                continue;
+            }
+            EXPECT_EQ(row.notFinite, 0) << row.model << ", " << row.sweep;
+            EXPECT_EQ(row.outside, 0) << row.model << ", " << row.sweep;
+            EXPECT_LE(row.error, 0.018) << row.model << ", " << row.sweep << " at " << row.worst;
+            EXPECT_LE(row.step, 1.3 * row.exactStep + 0.01) << row.model << ", " << row.sweep;
+        }
+    }
+    EXPECT_GT(oat, 0.7);  // the sun across the horizon
+}
+
+TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
+    std::vector<const Model*> asked;
+    for (const char* name : {"oat", "aperture", "alpha", "anti", "soft", "cap-anti", "firm-2"}) asked.push_back(findModel(name));
+    for (const std::string& scene : builtinNames())
+        for (const SceneSteps& s : measureSceneSteps(makeBuiltin(scene), asked, 6, 256, 1, {0.27, 1, 5, 15, 30}, {})) {
+            if (s.baseline) continue;
+            const bool caps = s.model == "aperture" || s.model == "alpha" || s.model == "anti";
+            EXPECT_LE(s.step, caps ? 1.02 : s.model == "cap-anti" ? 1.06 : s.model == "soft" ? 1.2 : 1.4) << scene << ", " << s.model << ", " << s.radius << " degrees";
+        }
+}
+
+TEST(Stability, EveryPackedValueIsPossible) {
+    const vec3 up(0, 1, 0);
+    uint64_t checked = 0;
+    auto check = [&](const Packed8& bytes) {
+        const Visibility v = unpack(bytes);
+        const float length = glm::length(v.direction);
+        ++checked;
+        return v.area >= 0 && v.area <= float(2 * kPi) && length <= v.area * (1 - v.area / float(4 * kPi)) * 1.00001f + 1e-12f && std::isfinite(length);
+    };
+    // All of D / A with one A, and some of it with all; or everything.
+    for (int w = -128; w < 128; ++w) {
+        const int step = exhaustive() || w == 20 ? 1 : 15;
+        for (int x = -128; x < 128; x += step)
+            for (int y = -128; y < 128; y += step)
+                for (int z = -128; z < 128; z += step) ASSERT_TRUE(check({int8_t(x), int8_t(y), int8_t(z), int8_t(w)})) << x << " " << y << " " << z << " " << w;
+    }
+    EXPECT_GE(checked, uint64_t(1) << 24);
+    // What is lit with some of them.
+    Random random(55);
+    for (int i = 0; i < 300000; ++i) {
+        Packed8 bytes;
+        for (int8_t& b : bytes) b = int8_t(random(-128, 127.99));
+        const Visibility v = unpack(bytes);
+        const CapLight light = capLight(random.direction(), 0.7 * random());
+        for (const Model& model : models()) {
+            if (!model.fromVisibility || model.id == MODEL_OAT) continue;
+            const float e = lightThrough(model.id, toReceiver(model, v, up), light, lightsOf(light.sinRadius));
+            ASSERT_TRUE(e >= -1e-6f && e <= 1.016f * light.area) << model.name << " " << int(bytes[0]) << " " << int(bytes[1]) << " " << int(bytes[2]) << " " << int(bytes[3]);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace apertura::test
