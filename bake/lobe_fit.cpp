@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -66,11 +67,10 @@ struct Fitter {
         glm::vec3 tangents[2 * K];
     };
 
-    // The residual of a patch is the mean of cos (V - samples) over it: what a small light there would be
-    // off by.
+    // The residual of a patch is the sum of cos (V - samples) over it: what a small light there would be off by.
     Sums evaluate(const Parameters& p, bool derivatives) const {
-        PatchedSamples samples{{}, open, lattice.blocks, lattice.patchSize, options.group, options.groupWeight, inverse};
-        for (int f = 0; f < 9; ++f) samples.feature[f] = lattice.feature[f].data();
+        PatchedSamples samples{{}, open, lattice.blocks, lattice.patchSize, SampleLattice::kGroup, options.groupWeight, inverse};
+        for (int f = 0; f < SampleLattice::kFeatures; ++f) samples.feature[f] = lattice.feature[f].data();
         Sums out;
         if constexpr (Firm)
             for (int k = 0; k < K; ++k) {
@@ -258,7 +258,7 @@ std::array<CapDictionary::Cap, 2> lensAround(const Cluster& cluster) {
     const float turn = 0.5f * std::atan2(2 * uv, uu - vv), middle = 0.5f * (uu + vv), half = std::hypot(0.5f * (uu - vv), uv);
     const glm::vec3 along = std::cos(turn) * u + std::sin(turn) * v, across = glm::cross(c, along);
     // Of an even ellipse the half axes are twice the deviations.
-    const float length = std::clamp(2.2f * std::sqrt(middle + half), 0.05f, 1.4f);
+    const float length = std::clamp(2.2f * std::sqrt(std::max(middle + half, 0.0f)), 0.05f, 1.4f);
     const float breadth = std::clamp(2 * std::sqrt(std::max(middle - half, 0.0f)), 0.02f, 0.7f * length);
     const glm::vec3 tip = std::cos(length) * c + std::sin(length) * along, other = std::cos(length) * c - std::sin(length) * along;
     std::array<CapDictionary::Cap, 2> out;
@@ -466,6 +466,7 @@ std::vector<std::vector<int>> CapDictionary::nearest(const std::vector<uint64_t>
 }
 
 LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
+    assert(options.firmness > 0 || options.lobes <= 2);
     const bool firm = options.firmness > 0;
     switch (options.lobes) {
         case 1: return (firm ? fitCount<1, true> : fitCount<1, false>)(samples, dictionary, sides, options);

@@ -11,9 +11,11 @@ namespace apertura {
 
 SampleLattice::SampleLattice(int rays) : directions_(hemisphereLattice(rays)) {
     const size_t n = directions_.size();
-    patchSize = int(std::bit_floor(std::max<size_t>(n / 256, 1)));
+    patchSize = int(std::bit_floor(std::max<size_t>(n / kPatches, 1)));
     const size_t blockSize = size_t(patchSize) * kLanes;
     blocks = int((n + blockSize - 1) / blockSize);
+    // In whole groups: orderInPatches makes neighbours of aligned runs.
+    if (blocks > kGroup) blocks = (blocks + kGroup - 1) / kGroup * kGroup;
     for (auto& f : feature) f.assign(size_t(blocks) * blockSize, 0);
     for (size_t i = 0; i < n; ++i) {
         const size_t patch = i / size_t(patchSize), member = i % size_t(patchSize);

@@ -167,7 +167,7 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
             for (int k = 0; k < model.numbers / 3; ++k) sum += through(k);
             return std::min(sum, open);
         }
-        case MODEL_AO: return open * double(r.visibility.w) / (2 * kPi);
+        case MODEL_AO: return open * std::min(double(r.visibility.w) / (2 * kPi), 1.0);
         default: break;
     }
     const double height = 2 * std::pow(std::sin(radius / 2), 2), s = std::sin(radius);
@@ -264,6 +264,26 @@ StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const Fra
         before = value, exactBefore = exact, truthBefore = truth;
     }
     return row;
+}
+
+std::vector<FailurePoint> failureMap(const Model& model, const FitTools& tools) {
+    std::vector<FailurePoint> out;
+    const dvec3 axis = tilted(35 * kDegree);
+    for (const double light : {0.27, 5.0, 15.0, 45.0})
+        for (int a = 0; a < 18; ++a) {
+            const double aperture = 0.5 * std::pow(180, a / 17.0);  // 0.5 to 90 degrees
+            for (int d = 0; d <= 22; ++d) {
+                Sweep sweep{"", "", {}};
+                for (int turn = 0; turn < 4; ++turn) {
+                    const double angle = std::min((light + aperture) * kDegree * d / 20.0, kPi);
+                    const dvec3 u = away(axis, kPi / 2), v = glm::cross(axis, u), side = std::cos(turn * kPi / 2) * u + std::sin(turn * kPi / 2) * v;
+                    sweep.frames.push_back({axis, aperture * kDegree, std::cos(angle) * axis + std::sin(angle) * side, light * kDegree});
+                }
+                const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);
+                out.push_back({std::string(model.name), light, aperture, d / 20.0, row.notFinite ? 1e9 : row.error});
+            }
+        }
+    return out;
 }
 
 HostileInput hostileInput(const Model& model, uint32_t seed, uint64_t index) {

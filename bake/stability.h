@@ -69,6 +69,16 @@ using FrameEvaluator = std::function<std::vector<float>(int model, int size, con
 
 StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const FrameEvaluator& device);
 
+// Where a model fails: the largest error of E through the smaller of light and opening over four directions in which
+// a light lies from a tilted aperture. Distance: between the axes, in sums of the radii.
+struct FailurePoint {
+    std::string model;
+    double lightRadius, apertureRadius;  // degrees
+    double distance;
+    double error;
+};
+std::vector<FailurePoint> failureMap(const Model& model, const FitTools& tools);
+
 // Inputs of a model, many of them on purpose at the edge: axes of no length or of a wrong one, opposite or equal to
 // each other, areas of nothing, of a hemisphere and beyond, numbers at the ends of what bytes hold, forms mixed of
 // two; lights of any size. Evaluation `index` of a stream that `seed` begins.

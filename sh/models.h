@@ -40,8 +40,8 @@ struct Model {
     Form (*fromVisibility)(const Visibility&, const vec3& normal);
     std::array<Field, 4> stored;  // the first slots in turn, where the model is stored
     int storedFields;
-    int inverseSlot;         // whose x is the flag of an inverse product, and w the pairs (see lobesTogether); -1: none. They
-                             // travel as signs
+    int inverseSlot;         // whose x is the flag of an inverse product, and of lobes w the pairs (see lobesTogether); -1:
+                             // none. They travel as signs
 };
 
 // All of them, models()[id].id == id.

@@ -11,7 +11,7 @@ struct Errors {
 
 // E through a random aperture of the upper hemisphere, half of the lights near its rim.
 template <typename Formula>
-Errors againstExact(uint64_t seed, Formula&& formula) {
+Errors againstExact(uint64_t seed, Formula&& formula, double least = 0.27, double largest = 45) {
     Random random(seed);
     const dvec3 normal(0, 0, 1);
     Errors out;
@@ -19,7 +19,7 @@ Errors againstExact(uint64_t seed, Formula&& formula) {
     for (int i = 0; i < n;) {
         dvec3 axis = random.direction(), light = random.direction();
         axis.z = std::abs(axis.z);
-        const double r0 = std::acos(1 - random()), r1 = 0.27 * std::pow(45 / 0.27, random()) * kPi / 180;
+        const double r0 = std::acos(1 - random()), r1 = least * std::pow(largest / least, random()) * kPi / 180;
         if (i % 2) {
             const double d = r0 + r1 * random(-2, 2);
             light = std::cos(d) * axis + std::sin(d) * normalize(cross(axis, random.direction()));
@@ -42,6 +42,16 @@ TEST(Aperture, LightThroughItIsWithinThreeThousandthsOfExact) {
         EXPECT_LE(e.max, 0.035) << "seed " << seed;
         std::printf("seed %d: rms %.4f max %.4f\n", int(seed), e.rms, e.max);
     }
+}
+
+TEST(Aperture, AndSoAreTheFormulasForLightsOfASize) {
+    const Errors medium = againstExact(15, [](auto... a) { return lightThroughAperture(a..., LIGHTS_MEDIUM); }, 3, 10);
+    const Errors small = againstExact(16, [](auto... a) { return lightThroughAperture(a..., LIGHTS_SMALL); }, 0.27, 3);
+    std::printf("medium: rms %.4f max %.4f, small: rms %.4f max %.4f\n", medium.rms, medium.max, small.rms, small.max);
+    EXPECT_LE(medium.rms, 0.003);
+    EXPECT_LE(medium.max, 0.035);
+    EXPECT_LE(small.rms, 0.005);
+    EXPECT_LE(small.max, 0.035);
 }
 
 TEST(Aperture, ThePublishedFormulaIsTheBaselineThatItIsSaidToBe) {

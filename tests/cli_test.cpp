@@ -322,5 +322,19 @@ TEST(Cli, ChartWithoutMatplotlibStillLeavesTheTable) {
     EXPECT_GT(lines(slurp(folder / "chart/models.csv")), 10);
 }
 
+TEST(Cli, StabilityLeavesTablesAndCharts) {
+    const Folder folder;
+    const std::string out = folder / "stability";
+    const std::string command = APERTURA_PROGRAM " stability -o " + out + " --models oat,aperture --inputs 20000 --device-inputs 500 --receivers 1 >"
+                              + (folder / "log") + " 2>&1";
+    const int status = std::system(command.c_str());
+    ASSERT_EQ(WEXITSTATUS(status), 0) << slurp(folder / "log");
+    for (const char* table : {"sweeps.csv", "scenes.csv", "map.csv", "counts.csv"}) EXPECT_GE(lines(slurp(out + "/" + table)), 3) << table;
+    for (const char* picture : {"sweep-errors.png", "sweep-steps.svg", "scene-steps.png", "failures.png"}) EXPECT_GT(slurp(out + "/" + picture).size(), 2000u) << picture;
+    expectRefusal("stability -o " + (folder / "other") + " --models clever", 2, "clever");
+    expectRefusal("stability -o " + folder.write("file", "x") + "/deep", 1, "deep");
+    EXPECT_FALSE(fs::exists(folder / "other"));
+}
+
 }  // namespace
 }  // namespace apertura::test

@@ -7,6 +7,8 @@
 #include "runtime/form_stream.h"
 #include "tests/support.h"
 
+#include <map>
+
 namespace apertura::test {
 namespace {
 
@@ -183,34 +185,70 @@ TEST(Models, PairsOfLobesAreSlits) {
     EXPECT_GT(errorOf("soft-2", "soft-2", tools, samples, radius, exact), 2 * error);
 }
 
-TEST(Models, SumsAreTheSameOnEveryProcessor) {
-    const SampleLattice lattice(1000);
-    const Samples samples = samplesOf(lattice, [](const dvec3& w) { return w.x + w.z > 0.3; });
-    PatchedSamples patched{{}, samples.open.data(), lattice.blocks, lattice.patchSize, 8, 1, false};
-    for (int f = 0; f < 9; ++f) patched.feature[f] = lattice.feature[f].data();
+// One instance of sumLobes: the same bytes with and without what newer processors have, and derivatives that are the
+// differences of the value.
+template <int K, int M, bool Firm, int L>
+void checkSums(const SampleLattice& lattice, const Samples& samples) {
+    using Sums = LobeSums<K, M, Firm>;
+    constexpr int N = Sums::N;
     Random random(54);
-    for (int i = 0; i < 100; ++i) {
-        float p[8], tangents[12];
-        for (float& x : p) x = float(random(-30, 30));
+    for (int i = 0; i < 20; ++i) {
+        PatchedSamples patched{{}, samples.open.data(), lattice.blocks, lattice.patchSize, SampleLattice::kGroup, 1, i % 2 == 1};
+        for (int f = 0; f < SampleLattice::kFeatures; ++f) patched.feature[f] = lattice.feature[f].data();
+        float p[K * M], tangents[K * 6];
+        for (float& x : p) x = float(random(-4, 4));
         for (float& x : tangents) x = float(random(-1, 1));
-        LobeSums<2, 4, true> one, other;
-        sumLobes<2, 4, true, 0>(patched, p, tangents, true, one);
-        plain::sumLobes<2, 4, true, 0>(patched, p, tangents, true, other);
-        for (int a = 0; a < one.N + 1; ++a) {
+        Sums one, other;
+        sumLobes<K, M, Firm, L>(patched, p, tangents, true, one);
+        plain::sumLobes<K, M, Firm, L>(patched, p, tangents, true, other);
+        for (int a = 0; a < N + 1; ++a) {
             ASSERT_EQ(one.sums[a], other.sums[a]);
             for (int b = 0; b <= a; ++b) ASSERT_EQ(one.products[a][b], other.products[a][b]);
         }
-        // And the derivatives are those of the value.
-        const float step = 0.02f;
-        LobeSums<2, 4, true> up, down;
-        for (const float sign : {1.0f, -1.0f}) {
-            float moved[8];
-            std::copy_n(p, 8, moved);
-            moved[4] += sign * step;  // the second lobe's offset, column 3
-            sumLobes<2, 4, true, 0>(patched, moved, tangents, false, sign > 0 ? up : down);
+        for (int column = 0; column < N; ++column) {
+            const int lobe = column / Sums::kColumns, c = column % Sums::kColumns;
+            const float step = 0.01f;
+            double value[2];
+            for (int side = 0; side < 2; ++side) {
+                float moved[K * M];
+                std::copy_n(p, K * M, moved);
+                const float by = side ? step : -step;
+                for (int axis = 0; Firm && c > 0 && axis < 3; ++axis) moved[lobe * M + 1 + axis] += by * tangents[(lobe * 2 + c - 1) * 3 + axis];
+                if (!Firm || c == 0) moved[lobe * M + c] += by;
+                Sums there;
+                sumLobes<K, M, Firm, L>(patched, moved, tangents, false, there);
+                value[side] = there.products[N][N];
+            }
+            const double slope = (value[1] - value[0]) / (4 * step);
+            ASSERT_NEAR(one.products[N][column], slope, 0.01 * std::abs(slope) + 1e-3 * std::sqrt(one.products[N][N] * one.products[column][column]) + 6e-3)
+                << K << " lobes, column " << column << ", pairs " << L;
         }
-        const double slope = (up.products[6][6] - down.products[6][6]) / (4 * step);
-        ASSERT_NEAR(one.products[6][3], slope, 0.02 * std::abs(slope) + 2e-3);
+    }
+}
+
+TEST(Models, SumsAreTheSameOnEveryProcessorAndTheirDerivativesRight) {
+    const SampleLattice lattice(1000);
+    const Samples samples = samplesOf(lattice, [](const dvec3& w) { return w.x + w.z > 0.3; });
+#define APERTURA_INSTANCE(K, M, Firm, L) checkSums<K, M, Firm, L>(lattice, samples);
+    APERTURA_INSTANCES
+#undef APERTURA_INSTANCE
+}
+
+// Patches of every number of rays stand in whole groups of neighbours.
+TEST(Models, GroupsOfPatchesAreNeighbours) {
+    for (int rays : {256, 300, 500, 1000, 1024, 1500, 4096}) {
+        const SampleLattice lattice(rays);
+        std::map<std::pair<int, int>, std::vector<vec3>> groups;  // by lane and group
+        for (size_t i = 0; i < lattice.directions().size(); ++i) {
+            const int place = lattice.place[i], lane = place % SampleLattice::kLanes, block = place / SampleLattice::kLanes / lattice.patchSize;
+            groups[{lane, block / SampleLattice::kGroup}].push_back(lattice.directions()[i]);
+        }
+        ASSERT_LE(lattice.blocks, PatchedSamples::kMaxBlocks);
+        float widest = 0;
+        for (const auto& [key, all] : groups)
+            for (const vec3& a : all)
+                for (const vec3& b : all) widest = std::max(widest, std::acos(std::clamp(dot(a, b), -1.0f, 1.0f)));
+        EXPECT_LT(widest, 0.9f) << rays;
     }
 }
 

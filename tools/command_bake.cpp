@@ -47,6 +47,14 @@ void run(const Arguments& a) {
                 triangleCount(scene), a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
 }
 
+std::string whyNoRecipe(const std::string& name) {
+    if (const Model* model = findModel(name); model && model->fromVisibility)
+        return "'" + name + "' is made from the four numbers of any asset when it is drawn: bake sh, or sh-fit";
+    std::string names;
+    for (const Recipe& recipe : recipes()) names += (names.empty() ? "" : ", ") + std::string(recipe.name);
+    return "there is no model '" + name + "' (there are " + names + ")";
+}
+
 }  // namespace
 
 void addBakeCommand(CLI::App& program) {
@@ -69,7 +77,7 @@ void addBakeCommand(CLI::App& program) {
     std::string names;
     for (const Recipe& recipe : recipes()) names += (names.empty() ? "" : ", ") + std::string(recipe.name);
     command.add_option("--model", a->model, "what to store, of " + names + " [sh]")
-        ->check(CLI::Validator([](const std::string& name) { return findRecipe(name) ? "" : "there is no model '" + name + "'"; }, ""))
+        ->check(CLI::Validator([](const std::string& name) { return findRecipe(name) ? "" : whyNoRecipe(name); }, ""))
         ->type_name("NAME");
     command.add_option("--tolerance", a->bake.tolerance, "of the model auto: RMSE of E / (L pi sin^2 r) at light radii 5 and 15 degrees [0.05]")
         ->check(finiteRange(1e-6, 1e6))

@@ -193,7 +193,7 @@ void run(Arguments a) {
     if (!a.models.empty())
         for (const std::string& name : a.models) {
             const Model* model = findModel(name);
-            if (!model) throw CLI::ValidationError("--models: there is no model '" + name + "'");
+            if (!model) throw CLI::ValidationError("--models: there is no model '" + name + "' (there are " + modelNames() + ")");
             a.measure.models.push_back(model);
         }
     if (a.scenes.empty())
@@ -223,12 +223,7 @@ void run(Arguments a) {
     writeTextFile(csv, toCsv(all, costs, baking));
     writeTextFile(maps, toMaps(all));
     writeTextFile(about, nlohmann::ordered_json{{"version", APERTURA_VERSION}, {"receivers", all[0].receivers}, {"device", costs.device}}.dump() + "\n");
-    // The pictures are matplotlib's; it says itself what it lacks.
-    std::fflush(stdout);
-    const char* const python = std::getenv("APERTURA_PYTHON");
-    const std::string command = std::string(python ? python : "/usr/bin/python3") + " '" APERTURA_CHARTS "' \"$APERTURA_CHART_FOLDER\"";
-    setenv("APERTURA_CHART_FOLDER", a.out.c_str(), 1);
-    if (std::system(command.c_str()) != 0) throw Error(a.out + ": the table models.csv is there, the charts are not");
+    drawCharts(APERTURA_CHARTS, a.out, "the table models.csv is there, the charts are not");
     std::printf("%s/index.html: %zu scenes, %d receivers each\n", a.out.c_str(), all.size(), all[0].receivers);
 }
 

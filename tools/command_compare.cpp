@@ -85,7 +85,7 @@ void run(Arguments a) {
         a.measure.models.clear();
         for (const std::string& name : a.models) {
             const Model* model = findModel(name);
-            if (!model) throw CLI::ValidationError("--models: there is no model '" + name + "'");
+            if (!model) throw CLI::ValidationError("--models: there is no model '" + name + "' (there are " + modelNames() + ")");
             a.measure.models.push_back(model);
         }
     }
@@ -99,6 +99,9 @@ void run(Arguments a) {
         if (hasVisibility(scene)) {
             Asset asset = toAsset(scene);
             adoptReceivers(asset.scene, asset.info.scene);
+            for (const Model* model : a.measure.models)
+                if (!model->fromVisibility && model != storedModel(asset.info))
+                    throw Error(a.scene + ": does not hold the model " + std::string(model->name) + "; bake it with --model " + std::string(model->name));
             result = measureAsset(asset, a.measure, bar.callback());
         } else {
             result = measureScene(scene, a.measure, bar.callback());

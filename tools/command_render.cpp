@@ -18,7 +18,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSunIrradiance = 2.4;
 
 struct Arguments {
-    std::string file, out, model = "soft", sky, camera;
+    std::string file, out, model, sky, camera;
     double azimuth = 135, elevation = 40, radius = 0.27;
     double width = 960, height = 540;
     uint32_t seed = 1;
@@ -59,7 +59,9 @@ Light sun(const Arguments& a) {
 
 void run(const Arguments& a) {
     const Model* model = findModel(a.model);
-    if (!model && a.model != "reference" && a.model != "shadow-map") throw CLI::ValidationError("--model: there is no model '" + a.model + "'");
+    const bool own = a.model.empty();  // the one that the asset stores
+    if (!model && !own && a.model != "reference" && a.model != "shadow-map")
+        throw CLI::ValidationError("--model: there is no model '" + a.model + "' (there are " + modelNames() + ", shadow-map, reference)");
     View view;
     view.width = int(a.width);
     view.height = int(a.height);
@@ -73,8 +75,10 @@ void run(const Arguments& a) {
     Scene scene = loadScene(a.file, a.map);
     view.camera = parseCamera(a.camera, viewOf(scene));
     Picture picture;
-    if (model || a.model == "shadow-map") {
+    if (model || own || a.model == "shadow-map") {
         const Asset asset = toAsset(std::move(scene));
+        if (own) model = storedModel(asset.info);
+        if (own && !model) model = findModel("soft");
         const Gpu gpu;
         Renderer renderer(gpu, asset);
         picture = model ? renderer.draw(view, *model) : renderer.drawShadowMapped(view);
@@ -88,7 +92,8 @@ void run(const Arguments& a) {
     }
     if (interrupted()) throw Cancelled{};
     writePicture(a.out, picture);
-    std::printf("%s: %d x %d, %s\n", a.out.c_str(), view.width, view.height, a.model.c_str());
+    std::printf("%s: %d x %d, %s\n", a.out.c_str(), view.width, view.height,
+                model ? std::string(model->name).c_str() : a.model.c_str());
 }
 
 }  // namespace
@@ -99,7 +104,7 @@ void addRenderCommand(CLI::App& program) {
     command.footer("Example: apertura render statue.glb -o dawn.png --model soft --sun-azimuth 90 --sun-elevation 8");
     command.add_option("FILE", a->file, "a baked .glb; with --model reference any scene as for bake")->required();
     command.add_option("-o", a->out, "the picture, .png (sRGB) or .exr (linear)")->required()->type_name("PICTURE");
-    command.add_option("--model", a->model, modelNames() + ", or the baselines shadow-map: percentage-closer soft shadows, and reference: ray traced [soft]")->type_name("NAME");
+    command.add_option("--model", a->model, modelNames() + ", or the baselines shadow-map: percentage-closer soft shadows, and reference: ray traced [what the asset stores, or soft]")->type_name("NAME");
     command.add_option("--sun-azimuth", a->azimuth, "degrees from north (-Z) by east (+X) [135]")
         ->check(finiteRange(-360.0, 360.0))
         ->type_name("D");

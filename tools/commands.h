@@ -14,6 +14,7 @@ void addInfoCommand(CLI::App& program);
 void addRenderCommand(CLI::App& program);
 void addCompareCommand(CLI::App& program);
 void addChartCommand(CLI::App& program);
+void addStabilityCommand(CLI::App& program);
 
 // --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes.
 void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);
@@ -29,6 +30,10 @@ std::vector<double> parseNumbers(const std::string& text, char separator);
 
 // As CLI::Range, but not for NaN, which no comparison excludes there.
 CLI::Validator finiteRange(double low, double high);
+
+// Runs a script of tools/ over the tables in a folder, with the Python that has matplotlib. Throws Error naming the
+// folder and `otherwise` where it fails; it says itself what it lacks.
+void drawCharts(const char* script, const std::string& folder, const std::string& otherwise);
 
 // Throws CLI::ValidationError where writing `out` would replace `in`.
 void refuseToReplaceInput(const std::string& in, const std::string& out);

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
     apertura::addRenderCommand(program);
     apertura::addCompareCommand(program);
     apertura::addChartCommand(program);
+    apertura::addStabilityCommand(program);
     apertura::catchInterrupts();
     const auto verbs = program.get_subcommands([](const CLI::App*) { return true; });
     if (argc > 1 && argv[1][0] != '-'

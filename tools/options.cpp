@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
+#include "runtime/error.h"
 #include "sh/models.h"
 #include "tools/commands.h"
 
@@ -19,6 +22,14 @@ CLI::Validator finiteRange(double low, double high) {
             return inside ? std::string() : message.str();
         },
         "");
+}
+
+void drawCharts(const char* script, const std::string& folder, const std::string& otherwise) {
+    std::fflush(stdout);
+    const char* const python = std::getenv("APERTURA_PYTHON");
+    const std::string command = std::string(python ? python : "/usr/bin/python3") + " '" + script + "' \"$APERTURA_CHART_FOLDER\"";
+    setenv("APERTURA_CHART_FOLDER", folder.c_str(), 1);
+    if (std::system(command.c_str()) != 0) throw Error(folder + ": " + otherwise);
 }
 
 void dropRepeats(std::vector<double>& numbers) {

@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "bake/stability.h"
+#include "runtime/error.h"
+#include "runtime/file.h"
+#include "runtime/renderer.h"
+#include "tools/commands.h"
+#include "tools/terminal.h"
+
+namespace apertura {
+namespace {
+
+struct Arguments {
+    std::string out;
+    std::vector<std::string> models;
+    uint64_t inputs = 1000000, deviceInputs = 20000;
+    int receivers = 12;
+    uint32_t seed = 1;
+};
+
+const std::vector<double> kRadii{0.27, 1, 5, 15, 30};  // degrees, of the lights that cross the scenes
+
+struct ModelReport {
+    const Model* model;
+    HostileCount here, onDevice;
+    double error = 0, step = 0, sceneStep = 0;
+    std::string errorIn, stepIn, sceneStepIn;
+};
+
+std::string sweepsCsv(const std::vector<StabilityRow>& rows) {
+    std::ostringstream out;
+    out.precision(5);
+    out << "model,baseline,sweep,frames,not_finite,outside,error,error_at,model_error,step,exact_step,device_difference\n";
+    for (const StabilityRow& r : rows)
+        out << r.model << ',' << r.baseline << ",\"" << r.sweep << "\"," << r.frames << ',' << r.notFinite << ',' << r.outside << ',' << r.error << ','
+            << r.worst << ',' << r.modelError << ',' << r.step << ',' << r.exactStep << ',' << (r.onDevice < 0 ? "" : std::to_string(r.onDevice)) << '\n';
+    return out.str();
+}
+
+std::string scenesCsv(const std::vector<SceneSteps>& rows) {
+    std::ostringstream out;
+    out << "scene,model,baseline,light_radius_deg,step\n";
+    for (const SceneSteps& r : rows) out << r.scene << ',' << r.model << ',' << r.baseline << ',' << r.radius << ',' << r.step << '\n';
+    return out.str();
+}
+
+std::string mapCsv(const std::vector<FailurePoint>& rows) {
+    std::ostringstream out;
+    out.precision(5);
+    out << "model,light_radius_deg,aperture_radius_deg,distance,error\n";
+    for (const FailurePoint& r : rows) out << r.model << ',' << r.lightRadius << ',' << r.apertureRadius << ',' << r.distance << ',' << r.error << '\n';
+    return out.str();
+}
+
+std::string countsCsv(const std::vector<ModelReport>& reports) {
+    std::ostringstream out;
+    out << "model,baseline,inputs,not_finite,outside,device_inputs,device_not_finite,device_outside\n";
+    for (const ModelReport& r : reports)
+        out << r.model->name << ',' << r.model->baseline << ',' << r.here.inputs << ',' << r.here.notFinite << ',' << r.here.outside << ','
+            << r.onDevice.inputs << ',' << r.onDevice.notFinite << ',' << r.onDevice.outside << '\n';
+    return out.str();
+}
+
+void print(const std::vector<ModelReport>& reports) {
+    std::printf("%-11s %10s %8s   %6s %-52s %6s   %6s\n", "model", "not finite", "outside", "error", "in the sweep", "step", "scenes");
+    for (const ModelReport& r : reports)
+        std::printf("%-11s %10llu %8llu   %6.3f %-52s %6.2f   %6.2f%s\n", std::string(r.model->name).c_str(),
+                    static_cast<unsigned long long>(r.here.notFinite + r.onDevice.notFinite),
+                    static_cast<unsigned long long>(r.here.outside + r.onDevice.outside), r.error, r.errorIn.c_str(), r.step, r.sceneStep,
+                    r.model->baseline ? "   baseline" : "");
+    std::printf("error: the largest, in shares of the smaller of light and opening, from the model's own exact integral (of a baseline: from the\n"
+                "opening). step: the largest, in a sweep, as a multiple of the exact one. scenes: of a light that crosses the sky of the built-in\n"
+                "scenes, as a multiple of what its rim can sweep.\n");
+}
+
+void run(const Arguments& a) {
+    std::vector<const Model*> asked;
+    for (const Model& model : models())
+        if (model.id != MODEL_UNSHADOWED && (a.models.empty() || std::find(a.models.begin(), a.models.end(), model.name) != a.models.end())) asked.push_back(&model);
+    for (const std::string& name : a.models)
+        if (!findModel(name)) throw CLI::ValidationError("--models: there is no model '" + name + "' (there are " + modelNames() + ")");
+    std::error_code failed;
+    std::filesystem::create_directories(a.out, failed);
+    if (failed || !std::filesystem::is_directory(a.out)) throw Error(a.out + ": is not a folder, and cannot be made one");
+    const std::string sweeps = a.out + "/sweeps.csv";
+    PendingFile(sweeps.c_str());  // says now that it cannot be written
+
+    std::optional<Gpu> gpu;
+    FrameEvaluator device;
+    try {
+        gpu.emplace();
+        device = [&](int model, int size, const std::vector<Evaluation>& inputs) {
+            std::vector<float> out;
+            for (const vec2& e : evaluateOnDevice(*gpu, model, size, inputs)) out.push_back(e.x);
+            return out;
+        };
+    } catch (const Error& e) {
+        std::fprintf(stderr, "apertura: no Vulkan device, its columns stay empty: %s\n", e.what());
+    }
+
+    std::vector<StabilityRow> rows;
+    std::vector<SceneSteps> steps;
+    std::vector<FailurePoint> map;
+    std::vector<ModelReport> reports;
+    {
+        ProgressBar bar("sweeping");
+        const Progress progress = bar.callback();
+        auto show = [&](double share) {
+            if (!progress(share)) throw Cancelled{};
+        };
+        const FitTools tools(1024);
+        const std::vector<Sweep> all = singularSweeps();
+        for (size_t m = 0; m < asked.size(); ++m) {
+            const Model& model = *asked[m];
+            ModelReport report{&model, countHostile(model, a.seed, a.inputs), {}};
+            if (device) report.onDevice = countHostile(model, a.seed + 1, a.deviceInputs, device);
+            for (const Sweep& sweep : all) {
+                const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);
+                if (row.error > report.error) report.error = row.error, report.errorIn = row.sweep;
+                if (row.exactStep > 0.01) report.step = std::max(report.step, row.step / row.exactStep);
+                rows.push_back(row);
+            }
+            for (const FailurePoint& point : failureMap(model, tools)) map.push_back(point);
+            reports.push_back(report);
+            show(0.7 * double(m + 1) / double(asked.size()));
+        }
+        const std::vector<std::string> scenes = builtinNames();
+        for (size_t s = 0; s < scenes.size(); ++s) {
+            for (const SceneSteps& step : measureSceneSteps(makeBuiltin(scenes[s]), asked, a.receivers, 256, a.seed, kRadii, {})) {
+                steps.push_back(step);
+                for (ModelReport& report : reports)
+                    if (report.model->name == step.model) report.sceneStep = std::max(report.sceneStep, step.step);
+            }
+            show(0.7 + 0.3 * double(s + 1) / double(scenes.size()));
+        }
+    }
+    if (interrupted()) throw Cancelled{};
+    writeTextFile(sweeps, sweepsCsv(rows));
+    writeTextFile(a.out + "/scenes.csv", scenesCsv(steps));
+    writeTextFile(a.out + "/map.csv", mapCsv(map));
+    writeTextFile(a.out + "/counts.csv", countsCsv(reports));
+    print(reports);
+    drawCharts(APERTURA_STABILITY_CHARTS, a.out, "the tables are there, the charts are not");
+}
+
+}  // namespace
+
+void addStabilityCommand(CLI::App& program) {
+    auto a = std::make_shared<Arguments>();
+    CLI::App& command = *program.add_subcommand("stability", "where each model breaks: singular configurations, hostile numbers, flashes");
+    command.footer(
+        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv and charts of them. What was published, and the rivals, are marked as\n"
+        "baselines: they stay as they are.\n"
+        "Example: apertura stability -o stability");
+    command.add_option("-o", a->out, "the folder for all of it; made where it is not there")->required()->type_name("DIR");
+    command.add_option("--models", a->models, "of " + modelNames() + " [all]")->delimiter(',')->type_name("A,B,...");
+    command.add_option("--inputs", a->inputs, "hostile inputs a model on this processor [1000000]")->check(CLI::Range(1.0, 1e12))->type_name("N");
+    command.add_option("--device-inputs", a->deviceInputs, "and on the device [20000]")->check(CLI::Range(1.0, 1e10))->type_name("N");
+    command.add_option("--receivers", a->receivers, "points of each scene whose sky a light crosses [12]")->check(CLI::Range(1, 100000))->type_name("N");
+    command.add_option("--seed", a->seed, "[1]")->type_name("S");
+    command.callback([a] { run(*a); });
+}
+
+}  // namespace apertura
