@@ -7,21 +7,21 @@
 
 namespace apertura {
 
-// V(w) = the product of link(offset + dot(slope, w)), or what that leaves of 1.
+// V(w) = the product of link(offset + dot(slope, w)), or what that leaves of 1. See lobesTogether in models.glsl.
 struct LobeFit {
     glm::vec4 lobes[4]{};  // slope, offset, about +Z as the lattice
     int count = 0;
     bool inverse = false;
-    int pairs = 0;         // of lobes, the first 0, 2 or 4 of them: what a pair leaves of 1 is the factor instead of it
+    int pairs = 0;         // 0, 1 or 2: of the first lobes, two by two, the factor is what a pair leaves of 1
     double error = 0;      // mean square of cos (V - samples) over patches, and as much again over groups of them,
                            // in units of cos2's mean: 0 .. 1 + groupWeight
 };
 
 struct LobeFitOptions {
-    int lobes = 1;           // 1 .. 4
-    float firmness = 0;      // > 0: the length of every slope; 0: free, of one or two lobes only
-    bool pairs = false;      // of three or four lobes with a firmness: LobeFit::pairs may be other than 0
-    float ambientWeight = 0; // of the squared error of the irradiance from an even sky
+    int lobes = 1;          // 1 .. 4
+    float firmness = 0;     // > 0: the length of every slope; 0: free, of one or two lobes only
+    bool pairs = false;     // of three or four lobes with a firmness: LobeFit::pairs may be other than 0
+    float ambientWeight = 0;  // of the squared error of the irradiance from an even sky
     int steps = 8;          // of Levenberg and Marquardt, at most,
     int firstSteps = 4;     // and from each start; the best goes on to the end
     float groupWeight = 1;  // of the squared error over groups of patches, as of larger lights, against that over patches

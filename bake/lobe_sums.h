@@ -6,12 +6,12 @@ namespace apertura {
 // The samples of one point as SampleLattice lays them out.
 struct PatchedSamples {
     const float* feature[9];  // SampleLattice::kFeatures
-    const float* open;   // 0 or 1
-    int blocks;          // of SampleLattice::kLanes patches side by side
-    int patchSize;       // samples a patch
-    int group;           // consecutive patches that make a large one, > 0
-    float groupWeight;   // of the squared error of a large patch, by area, against that of a patch
-    bool inverse;        // the product is what is blocked
+    const float* open;        // 0 or 1
+    int blocks;               // of SampleLattice::kLanes patches side by side
+    int patchSize;            // samples a patch
+    int group;                // consecutive patches that make a large one, > 0
+    float groupWeight;        // of the squared error of a large patch, by area, against that of a patch
+    bool inverse;             // the product is what is blocked
     static constexpr int kMaxBlocks = 64;
 };
 

@@ -59,7 +59,7 @@ APERTURA_FN float distanceOf(vec3 a, vec3 b) {
     return 0.5f * dot(difference, difference);
 }
 
-// The share of a disc beyond a chord, from how far the chord has gone across it, 0..1. Within 0.001, and no
+// The share of a disc beyond a chord, from how far the chord has gone across it, 0..1. Within 0.0016, and no
 // steeper than the exact one.
 APERTURA_FN float discShare(float x) {
     float bulge = x - x * x;
@@ -82,7 +82,7 @@ APERTURA_FN Overlap overlapOf(float distance, float height, vec3 apertureSize, C
     float root = inversesqrt(o.distance);
     float d = o.distance * root * (1.3946f + 0.233f * o.distance);
     o.inverse = size != LIGHTS_ANY ? root * (0.7165f - 0.1033f * o.distance)
-                                      : root * (0.717f - 0.1198f * o.distance + 0.02f * o.distance * o.distance);
+                                  : root * (0.717f - 0.1198f * o.distance + 0.02f * o.distance * o.distance);
     // x: how far the light has come in, 0 touching from outside .. 1 nested.
     float x = clamp((R + r - d) * 0.5f * max(inverseR, light.inverseAngle), 0.0f, 1.0f);
     float k = min(R * light.inverseAngle, r * inverseR);
