@@ -25,7 +25,7 @@ struct CapLight {
     float inverseSin;     // 1 over sinRadius
     float inverseHeight;  // 1 over height
     float shrink;         // see lobeOverMedium (soft.glsl)
-    float spread;
+    float spread;         // see lobeOverMedium
 };
 
 // A cap's height 1 - cos(radius) from sin(radius), for radii up to pi/2, without cancellation.

@@ -127,7 +127,8 @@ void ToAperture(benchmark::State& state) { convertAll(state, [](const Visibility
 void ToSoft(benchmark::State& state) { convertAll(state, [](const Visibility& v, const vec3& n) { return toSoft(v, n); }); }
 
 // What a recipe makes of the 256 rays of points from six scenes: points a second on one core, the best
-// pass of all. How its error compares with a long search: Models.FitsAreNoWorse* in model_test.cpp.
+// pass of all. How the errors of two lobes compare with a long search, soft, firm and as caps:
+// Models.FitsAreNoWorse* in model_test.cpp, with the options that two hard edges are fitted by.
 void Fit(benchmark::State& state, const char* name) {
     const FitTools tools(256);
     std::vector<Samples> samples;
