@@ -86,7 +86,7 @@ void samplePoints(const Tracer& tracer, std::span<const SurfacePoint> points, co
             const SurfacePoint& point = points[i];
             const glm::mat3 frame = frameAbout(point.normal, 2 * kPi * hashUnit(options.seed, i, 0));
             for (size_t k = 0; k < directions.size(); ++k) directions[k] = frame * lattice.directions()[k];
-            tracer.occluded(point.position + tracer.offset() * point.normal, directions, distance, blocked.data());
+            tracer.occluded(rayOrigin(tracer, point), directions, distance, blocked.data());
             use(i, Samples(lattice, blocked), frame);
             watch.add(1);
         }
@@ -116,32 +116,19 @@ std::vector<BakedPoint> bakePoints(const Tracer& tracer, std::span<const Surface
 }
 
 BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options,
-                             const Progress& progress) {
-    std::vector<SurfacePoint> points;
-    std::vector<std::pair<size_t, size_t>> places;  // instance, vertex
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const Instance& instance = scene.instances[i];
-        const Surface& surface = scene.surfaces[instance.surface];
-        std::vector<bool> used(surface.positions.size());
-        for (const auto& triangle : surface.triangles)
-            for (uint32_t v : triangle) used[v] = true;
-        const glm::mat3 normals = normalMatrix(instance.toWorld);
-        for (size_t v = 0; v < used.size(); ++v) {
-            if (!used[v]) continue;
-            const glm::vec3 n = normals * surface.normals[v];
-            const float length = glm::length(n);
-            points.push_back({glm::vec3(instance.toWorld * glm::vec4(surface.positions[v], 1)),
-                              length > 0 ? n / length : glm::vec3(0, 1, 0)});
-            places.emplace_back(i, v);
-        }
-    }
+                             const Progress& progress, Doubts* doubts) {
+    std::optional<tbb::global_control> limit;
+    if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
+    const Progress placing = part(progress, 0, 0.1), pricing = part(progress, 0.1, 0.2), baking = part(progress, options.recipe == "auto" ? 0.2 : 0.1, 1);
+    const VertexPoints vertices = placeVertices(scene, tracer, placing, doubts);
+    const std::vector<SurfacePoint>& points = vertices.points;
     BakeOptions how = options;
     if (options.recipe == "auto") {
         std::vector<SurfacePoint> spread;
         for (const SpreadPoint& p : spreadReceivers(scene, std::min(kPricePoints, int(points.size())), options.seed)) spread.push_back(p.at);
-        how.price = priceAt(tracer, spread, FitTools(options.rays, FitTools::Use::Choice), options, options.tolerance, progress);
+        how.price = priceAt(tracer, spread, FitTools(options.rays, FitTools::Use::Choice), options, options.tolerance, pricing);
     }
-    const std::vector<BakedPoint> baked = bakePoints(tracer, points, how, progress);
+    const std::vector<BakedPoint> baked = bakePoints(tracer, points, how, baking);
     const bool stored = findRecipe(options.recipe)->model >= 0;
     BakedVisibility out;
     for (const Instance& instance : scene.instances) {
@@ -149,7 +136,7 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
         out.push_back({std::vector<Visibility>(count), std::vector<Form>(stored ? count : 0)});
     }
     for (size_t k = 0; k < baked.size(); ++k) {
-        const auto [instance, vertex] = places[k];
+        const auto [instance, vertex] = vertices.places[k];
         out[instance].visibility[vertex] = baked[k].visibility;
         if (stored) out[instance].forms[vertex] = baked[k].form;
     }

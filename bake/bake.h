@@ -6,15 +6,10 @@
 
 #include "bake/tracer.h"
 #include "bake/fit.h"
+#include "bake/vertices.h"
 #include "runtime/asset.h"
 
 namespace apertura {
-
-// A point of a surface and the hemisphere it looks into.
-struct SurfacePoint {
-    glm::vec3 position;  // world, metres
-    glm::vec3 normal;    // unit
-};
 
 struct BakeOptions {
     std::string_view recipe = "sh";  // of recipes()
@@ -48,9 +43,10 @@ double priceAt(const Tracer& tracer, std::span<const SurfacePoint> points, const
 std::vector<BakedPoint> bakePoints(const Tracer& tracer, std::span<const SurfacePoint> points,
                                    const BakeOptions& options, const Progress& progress = {});
 
-// At the vertices that triangles use; the others are closed.
+// At the vertices that triangles use (bake/vertices.h says where); the others are closed. `doubts`, where it is
+// given, becomes what was ambiguous.
 BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options,
-                             const Progress& progress = {});
+                             const Progress& progress = {}, Doubts* doubts = nullptr);
 
 // A number in 0..1 from a seed and two indices; the same everywhere.
 double hashUnit(uint32_t seed, uint64_t a, uint64_t b);

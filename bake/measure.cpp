@@ -217,8 +217,7 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
         const Instance& instance = scene.instances[p.instance];
         const Surface& surface = scene.surfaces[instance.surface];
         for (uint32_t v : surface.triangles[p.triangle]) {
-            const glm::vec3 world(instance.toWorld * glm::vec4(surface.positions[v], 1));
-            corners.push_back({glm::mix(world, p.at.position, 0.01f), p.at.normal});
+            corners.push_back({glm::mix(worldPosition(instance, surface.positions[v]), p.at.position, 0.01), p.at.normal, p.at.longest});
         }
     }
     const std::vector<BakedPoint> at = bakePoints(tracer, corners, bake, progress);
@@ -249,12 +248,6 @@ std::optional<tbb::global_control> limitThreads(int threads) {
     std::optional<tbb::global_control> limit;
     if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads));
     return limit;
-}
-
-// The part from..to of the whole.
-Progress part(const Progress& progress, double from, double to) {
-    if (!progress) return {};
-    return [&progress, from, to](double share) { return progress(from + (to - from) * share); };
 }
 
 }  // namespace

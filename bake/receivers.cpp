@@ -19,13 +19,13 @@ bool inside(const Box& box, const glm::vec3& p) {
 
 std::vector<SpreadPoint> spreadReceivers(const Scene& scene, int count, uint32_t seed) {
     struct Corner {
-        glm::vec3 p[3];
+        glm::dvec3 p[3];
     };
     auto corners = [&](const Instance& instance, size_t t) {
         const Surface& surface = scene.surfaces[instance.surface];
         Corner c;
         for (int k = 0; k < 3; ++k)
-            c.p[k] = glm::vec3(instance.toWorld * glm::vec4(surface.positions[surface.triangles[t][k]], 1));
+            c.p[k] = worldPosition(instance, surface.positions[surface.triangles[t][k]]);
         return c;
     };
     std::vector<double> sums;  // running area, one a candidate triangle
@@ -36,13 +36,13 @@ std::vector<SpreadPoint> spreadReceivers(const Scene& scene, int count, uint32_t
         if (!surface.receives) continue;
         for (size_t t = 0; t < surface.triangles.size(); ++t) {
             const Corner c = corners(scene.instances[i], t);
-            const glm::vec3 low = glm::min(c.p[0], glm::min(c.p[1], c.p[2])), high = glm::max(c.p[0], glm::max(c.p[1], c.p[2]));
+            const glm::vec3 low(glm::min(c.p[0], glm::min(c.p[1], c.p[2]))), high(glm::max(c.p[0], glm::max(c.p[1], c.p[2])));
             const bool near = scene.receiverBoxes.empty()
                            || std::any_of(scene.receiverBoxes.begin(), scene.receiverBoxes.end(), [&](const Box& box) {
                                   return glm::all(glm::lessThanEqual(low, box.high))
                                       && glm::all(glm::greaterThanEqual(high, box.low));
                               });
-            const double area = 0.5 * glm::length(glm::cross(glm::dvec3(c.p[1] - c.p[0]), glm::dvec3(c.p[2] - c.p[0])));
+            const double area = 0.5 * glm::length(glm::cross(c.p[1] - c.p[0], c.p[2] - c.p[0]));
             if (!near || !(area > 0)) continue;
             sums.push_back(total += area);
             places.emplace_back(int(i), int(t));
@@ -65,12 +65,13 @@ std::vector<SpreadPoint> spreadReceivers(const Scene& scene, int count, uint32_t
         point.instance = i;
         point.triangle = t;
         point.weights = glm::vec3(1 - root, root * (1 - v), root * v);
-        point.at.position = point.weights.x * c.p[0] + point.weights.y * c.p[1] + point.weights.z * c.p[2];
+        point.at.position = double(point.weights.x) * c.p[0] + double(point.weights.y) * c.p[1] + double(point.weights.z) * c.p[2];
+        point.at.longest = std::max({glm::distance(c.p[0], c.p[1]), glm::distance(c.p[1], c.p[2]), glm::distance(c.p[2], c.p[0])});
         if (!scene.receiverBoxes.empty()
             && std::none_of(scene.receiverBoxes.begin(), scene.receiverBoxes.end(),
                             [&](const Box& box) { return inside(box, point.at.position); }))
             continue;
-        const glm::dvec3 n = glm::normalize(glm::cross(glm::dvec3(c.p[1] - c.p[0]), glm::dvec3(c.p[2] - c.p[0])));
+        const glm::dvec3 n = glm::normalize(glm::cross(c.p[1] - c.p[0], c.p[2] - c.p[0]));
         glm::vec3 shading(0);
         for (int corner = 0; corner < 3; ++corner) shading += surface.normals[surface.triangles[t][corner]];
         shading = normalMatrix(instance.toWorld) * shading;
@@ -101,7 +102,7 @@ TruthSample traceLight(const Tracer& tracer, const SurfacePoint& receiver, const
     std::vector<glm::vec3> rays;
     for (const glm::vec3& w : capLattice(samples, height)) rays.push_back(frame * w);
     std::vector<uint8_t> blocked(rays.size());
-    tracer.occluded(receiver.position + tracer.offset() * receiver.normal, rays, kNoLimit, blocked.data());
+    tracer.occluded(rayOrigin(tracer, receiver), rays, kNoLimit, blocked.data());
     double sum[2]{};
     for (size_t i = 0; i < rays.size(); ++i)
         if (!blocked[i]) sum[i & 1] += std::max(glm::dot(rays[i], receiver.normal), 0.0f);

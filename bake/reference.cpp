@@ -22,7 +22,7 @@ public:
     glm::vec3 radiance(const glm::vec3& eye, const glm::vec3& direction, uint64_t sample) {
         const std::optional<Hit> hit = tracer_.nearest(eye, direction);
         if (!hit) return view_.sky;
-        const glm::vec3 origin = hit->position + tracer_.offset() * hit->normal;
+        const glm::dvec3 origin = rayOrigin(tracer_, {hit->position, hit->normal});
         std::vector<CapLight> caps;
         glm::vec3 irradiance(0);
         for (const Light& light : view_.lights) {
@@ -35,10 +35,10 @@ public:
     }
 
 private:
-    glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::vec3& origin, const glm::vec3& normal,
+    glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::dvec3& origin, const glm::vec3& normal,
                         uint64_t sample, size_t index) {
         const glm::mat3 frame = frameAbout(cap.axis, 2 * kPi * hashUnit(options_.seed, sample, 2 + index));
-        const float reach = light.place.w > 0 ? std::max(glm::length(vec3(light.place) - origin) - light.shape.z, 0.0f) : kNoLimit;
+        const float reach = light.place.w > 0 ? std::max(glm::length(vec3(light.place) - vec3(origin)) - light.shape.z, 0.0f) : kNoLimit;
         rays_.clear();
         for (const glm::vec3& w : capLattice(options_.lightRays, cap.height))
             if (const glm::vec3 d = frame * w; glm::dot(d, normal) > 0) rays_.push_back(d);
@@ -47,14 +47,14 @@ private:
     }
 
     // The sky is everywhere but where a light stands in front of it.
-    glm::vec3 fromSky(const std::vector<CapLight>& caps, const glm::vec3& origin, const glm::vec3& normal, uint64_t sample) {
+    glm::vec3 fromSky(const std::vector<CapLight>& caps, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample) {
         const glm::mat3 frame = frameAbout(normal, 2 * kPi * hashUnit(options_.seed, sample, 1));
         rays_.clear();
         for (const glm::vec3& w : sky_) rays_.push_back(frame * w);
         return float(openCosines(origin, normal, kNoLimit, caps) * 2 * kPi / options_.skyRays) * view_.sky;
     }
 
-    double openCosines(const glm::vec3& origin, const glm::vec3& normal, float reach, const std::vector<CapLight>& skip) {
+    double openCosines(const glm::dvec3& origin, const glm::vec3& normal, float reach, const std::vector<CapLight>& skip) {
         blocked_.resize(rays_.size());
         tracer_.occluded(origin, rays_, reach, blocked_.data());
         double sum = 0;

@@ -7,6 +7,7 @@
 #endif
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <vector>
@@ -16,7 +17,9 @@
 namespace apertura {
 namespace {
 
-void attach(RTCDevice device, RTCScene to, unsigned id, const Surface& surface, const glm::mat4& transform) {
+// The surface's triangles, each vertex placed by `place`.
+template <typename Place>
+void attach(RTCDevice device, RTCScene to, unsigned id, const Surface& surface, Place&& place) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                  3 * sizeof(float), surface.positions.size()));
@@ -27,13 +30,19 @@ void attach(RTCDevice device, RTCScene to, unsigned id, const Surface& surface, 
         throw Error("ray tracing: not enough memory for the scene");
     }
     for (const glm::vec3& p : surface.positions) {
-        const glm::vec3 world(transform * glm::vec4(p, 1));
-        for (int c = 0; c < 3; ++c) *vertices++ = world[c];
+        const glm::vec3 placed = place(p);
+        for (int c = 0; c < 3; ++c) *vertices++ = placed[c];
     }
     for (const auto& triangle : surface.triangles) indices = std::copy(triangle.begin(), triangle.end(), indices);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(to, geometry, id);
     rtcReleaseGeometry(geometry);
+}
+
+glm::vec3 middleOf(const Surface& surface) {
+    Box box;
+    for (const glm::vec3& p : surface.positions) box.low = glm::min(box.low, p), box.high = glm::max(box.high, p);
+    return surface.positions.empty() ? glm::vec3(0) : glm::vec3(0.5 * (glm::dvec3(box.low) + glm::dvec3(box.high)));
 }
 
 }  // namespace
@@ -43,7 +52,11 @@ struct Tracer::Impl {
     RTCDevice device = nullptr;
     RTCScene top = nullptr;
     std::vector<RTCScene> parts;
-    float offset = 0;
+    // A point p of the world is (p - centre) * scale to the rays: within -1..1.
+    glm::dvec3 centre{0};
+    double scale = 1, reach = 1;
+
+    glm::vec3 toRays(const glm::dvec3& world) const { return glm::vec3((world - centre) * scale); }
 
     ~Impl() {
         for (RTCScene part : parts) rtcReleaseScene(part);
@@ -77,42 +90,62 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
     impl.device = rtcNewDevice(nullptr);
     if (!impl.device) throw Error("ray tracing: Embree does not start on this machine");
     impl.top = impl.newScene();
+    glm::dvec3 low(1e300), high(-1e300);
+    for (const Instance& instance : scene.instances)
+        for (const glm::vec3& p : scene.surfaces[instance.surface].positions) {
+            const glm::dvec3 world = worldPosition(instance, p);
+            low = glm::min(low, world), high = glm::max(high, world);
+        }
+    impl.centre = 0.5 * (low + high);
+    const glm::dvec3 half = 0.5 * (high - low);
+    impl.reach = std::max({half.x, half.y, half.z, 1e-30});
+    impl.scale = std::exp2(-std::ceil(std::log2(impl.reach)));
     std::map<int, int> uses;
     for (const Instance& instance : scene.instances) ++uses[instance.surface];
-    std::map<int, RTCScene> part;
+    struct Part {
+        RTCScene scene = nullptr;
+        glm::vec3 middle{0};  // which is the origin of its rays
+    };
+    std::map<int, Part> part;
     for (unsigned i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
         const Surface& surface = scene.surfaces[instance.surface];
         if (uses[instance.surface] == 1) {
-            attach(impl.device, impl.top, i, surface, instance.toWorld);
+            attach(impl.device, impl.top, i, surface, [&](const glm::vec3& p) { return impl.toRays(worldPosition(instance, p)); });
             continue;
         }
-        RTCScene& shared = part[instance.surface];
-        if (!shared) {
-            shared = impl.newScene();
-            impl.parts.push_back(shared);
-            attach(impl.device, shared, 0, surface, glm::mat4(1));
-            impl.commit(shared, progress);
+        auto [place, isNew] = part.try_emplace(instance.surface);
+        Part& shared = place->second;
+        if (isNew) {
+            shared.middle = middleOf(surface);
+            shared.scene = impl.newScene();
+            impl.parts.push_back(shared.scene);
+            attach(impl.device, shared.scene, 0, surface, [&](const glm::vec3& p) { return glm::vec3(glm::dvec3(p) - glm::dvec3(shared.middle)); });
+            impl.commit(shared.scene, progress);
         }
+        glm::mat4 toRays(glm::dmat4(instance.toWorld) * impl.scale);
+        toRays[3] = glm::vec4(impl.toRays(worldPosition(instance, shared.middle)), 1);
         RTCGeometry geometry = rtcNewGeometry(impl.device, RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(geometry, shared);
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instance.toWorld[0][0]);
+        rtcSetGeometryInstancedScene(geometry, shared.scene);
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &toRays[0][0]);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(impl.top, geometry, i);
         rtcReleaseGeometry(geometry);
     }
     impl.commit(impl.top, progress);
-    const Box box = worldBounds(scene);
-    const glm::vec3 reach = glm::max(glm::abs(box.low), glm::abs(box.high));
-    impl.offset = 32 * std::numeric_limits<float>::epsilon() * std::max({reach.x, reach.y, reach.z});
 }
 
 Tracer::~Tracer() = default;
 Tracer::Tracer(Tracer&&) noexcept = default;
 
-float Tracer::offset() const { return impl_->offset; }
+double Tracer::offset(const glm::dvec3& position, double longest) const {
+    const glm::dvec3 from = glm::abs(position - impl_->centre);
+    return 32 * double(std::numeric_limits<float>::epsilon()) * std::min(std::max({from.x, from.y, from.z}) + longest, impl_->reach);
+}
 
-void Tracer::occluded(const glm::vec3& origin, std::span<const glm::vec3> directions, float distance,
+double Tracer::offset() const { return offset(impl_->centre); }
+
+void Tracer::occluded(const glm::dvec3& world, std::span<const glm::vec3> directions, float distance,
                       uint8_t* blocked) const {
 #if RTC_VERSION_MAJOR >= 4
     RTCOccludedArguments arguments;
@@ -124,6 +157,8 @@ void Tracer::occluded(const glm::vec3& origin, std::span<const glm::vec3> direct
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
 #endif
+    const glm::vec3 origin = impl_->toRays(world);
+    const float reach = distance < kNoLimit ? float(distance * impl_->scale) : kNoLimit;
     constexpr size_t lanes = 16;
     RTCRay16 rays;
     alignas(64) int valid[lanes];
@@ -134,7 +169,7 @@ void Tracer::occluded(const glm::vec3& origin, std::span<const glm::vec3> direct
             valid[i] = i < count ? -1 : 0;
             rays.org_x[i] = origin.x, rays.org_y[i] = origin.y, rays.org_z[i] = origin.z;
             rays.dir_x[i] = d.x, rays.dir_y[i] = d.y, rays.dir_z[i] = d.z;
-            rays.tnear[i] = 0, rays.tfar[i] = distance;
+            rays.tnear[i] = 0, rays.tfar[i] = reach;
             rays.time[i] = 0, rays.mask[i] = ~0u, rays.flags[i] = 0, rays.id[i] = 0;
         }
 #if RTC_VERSION_MAJOR >= 4
@@ -146,13 +181,14 @@ void Tracer::occluded(const glm::vec3& origin, std::span<const glm::vec3> direct
     }
 }
 
-bool Tracer::occluded(const glm::vec3& origin, const glm::vec3& direction, float distance) const {
+bool Tracer::occluded(const glm::dvec3& origin, const glm::vec3& direction, float distance) const {
     uint8_t blocked = 0;
     occluded(origin, {&direction, 1}, distance, &blocked);
     return blocked != 0;
 }
 
-std::optional<Hit> Tracer::nearest(const glm::vec3& origin, const glm::vec3& direction) const {
+std::optional<Hit> Tracer::nearest(const glm::dvec3& world, const glm::vec3& direction) const {
+    const glm::vec3 origin = impl_->toRays(world);
     RTCRayHit query{};
     query.ray = {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0,
                  kNoLimit, ~0u, 0, 0};
@@ -171,10 +207,16 @@ std::optional<Hit> Tracer::nearest(const glm::vec3& origin, const glm::vec3& dir
     const auto& t = surface.triangles[query.hit.primID];
     const float u = query.hit.u, v = query.hit.v;
     const glm::vec3 n = (1 - u - v) * surface.normals[t[0]] + u * surface.normals[t[1]] + v * surface.normals[t[2]];
-    const glm::vec3 world = normalMatrix(instance.toWorld) * n;
-    const float length = glm::length(world);
-    return Hit{origin + query.ray.tfar * direction, length > 0 ? world / length : -glm::normalize(direction),
-               query.ray.tfar};
+    const glm::vec3 turned = normalMatrix(instance.toWorld) * n;
+    const float length = glm::length(turned);
+    const double distance = double(query.ray.tfar) / impl_->scale;
+    // The triangle itself, not its interpolated normal, which leans; its winding may run either way.
+    const glm::dvec3 corners[3] = {worldPosition(instance, surface.positions[t[0]]), worldPosition(instance, surface.positions[t[1]]),
+                                   worldPosition(instance, surface.positions[t[2]])};
+    const glm::dvec3 face = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const glm::dvec3 front = normalMatrix(instance.toWorld) * (surface.normals[t[0]] + surface.normals[t[1]] + surface.normals[t[2]]);
+    const bool back = (glm::dot(face, glm::dvec3(direction)) > 0) == (glm::dot(face, front) > 0);
+    return Hit{world + distance * glm::dvec3(direction), length > 0 ? turned / length : -glm::normalize(direction), float(distance), back};
 }
 
 }  // namespace apertura

@@ -17,10 +17,14 @@ using Progress = std::function<bool(double)>;
 struct Cancelled {};
 
 struct Hit {
-    glm::vec3 position, normal;  // world; the interpolated vertex normal, unit
-    float distance;              // in lengths of the ray's direction
+    glm::dvec3 position;  // world
+    glm::vec3 normal;     // world; the interpolated vertex normal, unit
+    float distance;       // in lengths of the ray's direction
+    bool back;            // the ray came from behind: from where its triangle's vertex normals point away
 };
 
+// Rays are traced about the scene's middle and in its own size, so that a scene is the same to the last bit wherever
+// it lies and, for powers of two, however large it is.
 class Tracer {
 public:
     // Builds the acceleration structure; surfaces used more than once are instanced, not copied.
@@ -30,14 +34,16 @@ public:
 
     // Whether rays from `origin` along `directions` (any length) hit something within `distance` lengths.
     // blocked[i] is 1 or 0; as many as directions. Safe from any number of threads.
-    void occluded(const glm::vec3& origin, std::span<const glm::vec3> directions, float distance,
+    void occluded(const glm::dvec3& origin, std::span<const glm::vec3> directions, float distance,
                   uint8_t* blocked) const;
-    bool occluded(const glm::vec3& origin, const glm::vec3& direction, float distance) const;
-    std::optional<Hit> nearest(const glm::vec3& origin, const glm::vec3& direction) const;
+    bool occluded(const glm::dvec3& origin, const glm::vec3& direction, float distance) const;
+    std::optional<Hit> nearest(const glm::dvec3& origin, const glm::vec3& direction) const;
 
-    // Metres that a ray should start above the surface, so that it does not hit what it leaves: a few
-    // rounding steps of the scene's largest coordinate.
-    float offset() const;
+    // Metres that a ray should start above the surface at `position`, so that it does not hit what it leaves: a few
+    // rounding steps of the largest number that an intersection there meets. `longest`: metres, the longest edge of
+    // the triangles that meet there; where it is not known, as long as the scene.
+    double offset(const glm::dvec3& position, double longest = 1e300) const;
+    double offset() const;  // the largest
 
 private:
     struct Impl;

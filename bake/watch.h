@@ -6,6 +6,12 @@
 
 namespace apertura {
 
+// The part from..to of the whole; `progress` outlives it.
+inline Progress part(const Progress& progress, double from, double to) {
+    if (!progress) return {};
+    return [&progress, from, to](double share) { return progress(from + (to - from) * share); };
+}
+
 // Progress of work that several threads share: reports from whichever thread comes by, one at a time, and
 // stops everybody when told to.
 class Watch {

@@ -41,7 +41,7 @@ Box worldBounds(const Scene& scene) {
     Box box;
     for (const Instance& instance : scene.instances)
         for (const glm::vec3& p : scene.surfaces[instance.surface].positions) {
-            const glm::vec3 world(instance.toWorld * glm::vec4(p, 1));
+            const glm::vec3 world(worldPosition(instance, p));
             box.low = glm::min(box.low, world);
             box.high = glm::max(box.high, world);
         }

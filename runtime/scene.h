@@ -54,6 +54,9 @@ glm::mat3 rotationPart(const glm::mat4& m);
 // What takes normals to the world, up to length. For a singular transform, its rotation part.
 glm::mat3 normalMatrix(const glm::mat4& m);
 
+// Where a point of the instance's surface lies: in double, as a small thing far from the origin needs.
+inline glm::dvec3 worldPosition(const Instance& instance, const glm::vec3& p) { return glm::dmat4(instance.toWorld) * glm::dvec4(p, 1); }
+
 Box worldBounds(const Scene& scene);
 size_t triangleCount(const Scene& scene);  // instances counted
 

@@ -63,7 +63,7 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
     for (size_t i = 0; i < statue().points.size(); ++i) {
         const SurfacePoint& p = statue().points[i];
         const glm::mat3 frame = frameAbout(p.normal, 6.283185307179586 * hashUnit(1, i, 0));
-        const glm::vec3 o = p.position + statue().tracer.offset() * p.normal;
+        const glm::vec3 o = rayOrigin(statue().tracer, p);
         for (size_t k = 0; k < lattice.size(); k += 16) {
             RTCRay16& r = packets.emplace_back();
             for (size_t lane = 0; lane < 16; ++lane) {

@@ -33,18 +33,20 @@ void run(const Arguments& a) {
     info.maxDistance = a.bake.maxDistance;
     if (a.model == "auto") info.tolerance = a.bake.tolerance;
     BakedVisibility visibility;
+    Doubts doubts;
     {
         ProgressBar bar("baking");
         const Progress progress = bar.callback();
         const Tracer tracer(scene, progress);
         info.rayOffset = tracer.offset();
-        visibility = bakeVertices(scene, tracer, a.bake, progress);
+        visibility = bakeVertices(scene, tracer, a.bake, progress, &doubts);
     }
     writeAsset(a.out, scene, visibility, info);
     size_t vertices = 0;
     for (const SeenByInstance& seen : visibility) vertices += seen.visibility.size();
     std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices,
                 triangleCount(scene), a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
+    for (const std::string& line : describe(doubts)) std::printf("  %s\n", line.c_str());
 }
 
 std::string whyNoRecipe(const std::string& name) {

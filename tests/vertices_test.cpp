@@ -1,0 +1,198 @@
+// Baking where rays go wrong: faces that coincide or have no area, vertices inside other geometry, normals and windings
+// that contradict each other, far from the origin, tiny and huge.
+#include "bake/vertices.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "bake/bake.h"
+#include "bake/shapes.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+Scene sceneOf(std::vector<Surface> surfaces, const glm::mat4& transform = glm::mat4(1)) {
+    Scene scene;
+    scene.name = "test";
+    for (size_t i = 0; i < surfaces.size(); ++i) scene.instances.push_back({int(i), transform});
+    scene.surfaces = std::move(surfaces);
+    return scene;
+}
+
+struct Baked {
+    BakedVisibility visibility;
+    Doubts doubts;
+    std::vector<double> open(size_t instance = 0) const {  // shares of the hemisphere
+        std::vector<double> out;
+        for (const Visibility& v : visibility[instance].visibility) out.push_back(v.area / (2 * kPi));
+        return out;
+    }
+};
+
+Baked bake(const Scene& scene) {
+    Baked out;
+    out.visibility = bakeVertices(scene, Tracer(scene), {.rays = 256}, {}, &out.doubts);
+    return out;
+}
+
+Surface panel(const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v, double cell) {
+    Surface surface;
+    addPanel(surface, corner, u, v, cell);
+    return surface;
+}
+
+// The inside of a cube of one-sided walls: 24 vertices, and a grid of more.
+Surface room(double cell) {
+    Surface surface;
+    const glm::dvec3 x(2, 0, 0), y(0, 2, 0), z(0, 0, 2);
+    addPanel(surface, {-1, -1, -1}, z, x, cell), addPanel(surface, {-1, 1, -1}, x, z, cell);
+    addPanel(surface, {-1, -1, -1}, y, z, cell), addPanel(surface, {1, -1, -1}, z, y, cell);
+    addPanel(surface, {-1, -1, -1}, x, y, cell), addPanel(surface, {-1, -1, 1}, y, x, cell);
+    return surface;
+}
+
+Surface blob() {
+    Surface surface;
+    addBlob(surface, {0, 0, 0}, 48, [](const glm::dvec3& w) { return 1 + 0.15 * noise(3.0 * w, 5); });
+    return surface;
+}
+
+const glm::mat4 kTurned = glm::rotate(glm::mat4(1), 0.7f, glm::normalize(glm::vec3(1, 2, 3)));
+
+TEST(Vertices, SealedRoomIsDarkAndBallIsOpenAtEverySizeAndPlace) {
+    Surface ball;
+    addBlob(ball, {0, 0, 0}, 64, [](const glm::dvec3&) { return 1.0; });
+    for (const double size : {1e-4, 1e-2, 1.0, 30.0, 1e5})
+        for (const glm::vec3& place : {glm::vec3(0), glm::vec3(1e6f, -1e6f, 3e5f)})
+            for (const glm::mat4& turn : {glm::mat4(1), kTurned}) {
+                const glm::mat4 transform = glm::scale(glm::translate(glm::mat4(1), place) * turn, glm::vec3(float(size)));
+                for (const double open : bake(sceneOf({room(0.5)}, transform)).open()) ASSERT_EQ(open, 0) << "light leaks in: " << size << " m at " << place.x;
+                for (const double open : bake(sceneOf({ball}, transform)).open()) ASSERT_NEAR(open, 1, 1e-6) << "it hits itself: " << size << " m at " << place.x;
+                // Instanced: the rays go into frames of the surfaces' own.
+                Scene two = sceneOf({ball}, transform);
+                two.instances.push_back({0, glm::translate(glm::mat4(1), glm::vec3(float(size * 40), 0, 0)) * transform});
+                for (const double open : bake(two).open()) ASSERT_GT(open, 0.996) << "it hits itself, instanced: " << size << " m at " << place.x;
+            }
+}
+
+TEST(Vertices, BumpySurfaceIsTheSameAtEverySizeAndPlace) {
+    const std::vector<double> expected = bake(sceneOf({blob()})).open();
+    double least = 1;
+    for (const double open : expected) least = std::min(least, open);
+    EXPECT_LT(least, 0.95);  // it has hollows
+    for (const double size : {1e-4, 7.0, 1e5})
+        for (const glm::vec3& place : {glm::vec3(0), glm::vec3(1e6f, 2e6f, -1e6f)}) {
+            const auto open = bake(sceneOf({blob()}, glm::scale(glm::translate(glm::mat4(1), place), glm::vec3(float(size))))).open();
+            for (size_t i = 0; i < open.size(); ++i) ASSERT_NEAR(open[i], expected[i], 3.5 / 256) << size << " m at " << place.x;  // rays that graze
+        }
+}
+
+TEST(Vertices, CloseUpOfAHugeSceneIsNotLiftedOffIt) {
+    // A step of 1 mm on a ground of 100 km: rays that started a part of the ground's size above it would not see it.
+    Surface ground = panel({-5e4, 0, 5e4}, {1e5, 0, 0}, {0, 0, -1e5}, 1e5);
+    const Surface wall = panel({0, 0, -0.05}, {0, 0.001, 0}, {0, 0, 0.1}, 0.001), floor = panel({0, 0, 0.05}, {0.1, 0, 0}, {0, 0, -0.1}, 0.01);
+    const Scene scene = sceneOf({ground, wall, floor});
+    const BakedVisibility baked = bakeVertices(scene, Tracer(scene), {.rays = 1024});
+    int seen = 0;
+    for (size_t v = 0; v < floor.positions.size(); ++v) {
+        if (floor.positions[v].x > 0 || std::abs(floor.positions[v].z) > 0.02f) continue;
+        EXPECT_NEAR(baked[2].visibility[v].area / (2 * kPi), 0.5, 0.02);  // at the wall's foot
+        ++seen;
+    }
+    EXPECT_GE(seen, 3);
+}
+
+TEST(Vertices, DoubledAndCoplanarFacesBlockNothing) {
+    // Turned, so that coordinates are rounded and the planes agree within that alone.
+    const glm::dvec3 x(kTurned[0]), z(kTurned[2]);
+    const Surface back = panel(-5.0 * x + 5.0 * z, -10.0 * z, 10.0 * x, 1);  // the other way round
+    const Scene scene = sceneOf({panel(-5.0 * x + 5.0 * z, 10.0 * x, -10.0 * z, 1), panel(-5.0 * x + 5.0 * z, 10.0 * x, -10.0 * z, 1),
+                                 panel(-3.1 * x + 2.7 * z, 4.9 * x, -5.3 * z, 0.37), back});
+    const Baked baked = bake(scene);
+    for (size_t instance = 0; instance < 4; ++instance)
+        for (const double open : baked.open(instance)) EXPECT_NEAR(open, 1, 1e-6);
+}
+
+TEST(Vertices, TrianglesOfNoAreaAreCountedAndBlockNothing) {
+    Surface plane = panel({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, 1);
+    const auto n = uint32_t(plane.positions.size());
+    for (const glm::vec3& p : {glm::vec3(0, 1, 0), glm::vec3(1, 1, 0), glm::vec3(2, 1, 0)}) plane.positions.push_back(p), plane.normals.emplace_back(0, 1, 0);
+    plane.triangles.push_back({n, n + 1, n + 2});
+    plane.triangles.push_back({3, 3, 4});
+    plane.triangles.push_back({7, 7, 7});
+    const Baked baked = bake(sceneOf({plane}));
+    EXPECT_EQ(baked.doubts.degenerate, 3u);
+    EXPECT_EQ(baked.doubts.withoutFaces, 3u);
+    for (const double open : baked.open()) EXPECT_NEAR(open, 1, 1e-6);
+}
+
+TEST(Vertices, GroundUnderABoxIsNotBlackAroundIt) {
+    // A coarse ground whose vertices lie inside the box, and triangles reach out of it.
+    Surface box;
+    addBox(box, {-1.4, 0, -1.4}, {1.4, 1, 1.4}, 0.1);
+    const Scene scene = sceneOf({panel({-6, 0, 6}, {12, 0, 0}, {0, 0, -12}, 1), box});
+    const Baked baked = bake(scene);
+    EXPECT_EQ(baked.doubts.moved, 8u);   // the ring of nine vertices but the middle one,
+    EXPECT_EQ(baked.doubts.buried, 1u);  // whose triangles are all inside
+    const Surface& ground = scene.surfaces[0];
+    int inside = 0;
+    for (size_t v = 0; v < ground.positions.size(); ++v) {
+        const glm::vec3 p = ground.positions[v];
+        const bool under = std::abs(p.x) < 1.4f && std::abs(p.z) < 1.4f, middle = glm::length(p) < 0.1f;
+        inside += under;
+        const double open = baked.open()[v];
+        if (middle) {
+            EXPECT_EQ(open, 0);
+        } else {
+            EXPECT_GT(open, under ? 0.45 : 0.7) << p.x << ' ' << p.z;
+        }
+    }
+    EXPECT_EQ(inside, 9);
+}
+
+TEST(Vertices, WallsSeeNothingFromBelowTheGroundTheyStandOn) {
+    Surface box;
+    addBox(box, {-1, 0, -1}, {1, 1, 1}, 0.5, false);
+    const Scene scene = sceneOf({panel({-60, 0, 60}, {120, 0, 0}, {0, 0, -120}, 6), box});
+    const Baked baked = bake(scene);
+    for (size_t v = 0; v < box.positions.size(); ++v) {
+        if (box.normals[v].y > 0.5f) continue;
+        EXPECT_NEAR(baked.open(1)[v], 0.5, 0.03) << box.positions[v].y;  // half of what it sees is ground
+    }
+}
+
+TEST(Vertices, WindingAgainstNormalsIsSaidAndTheNormalsCount) {
+    Surface flipped = blob();
+    for (auto& t : flipped.triangles) std::swap(t[1], t[2]);
+    const Baked straight = bake(sceneOf({blob()})), turned = bake(sceneOf({flipped}));
+    EXPECT_EQ(straight.doubts.inverted, 0u);
+    EXPECT_EQ(turned.doubts.inverted, flipped.triangles.size());
+    EXPECT_EQ(turned.open(), straight.open());
+    // A mirroring transform turns both.
+    const Baked mirrored = bake(sceneOf({blob()}, glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1))));
+    EXPECT_EQ(mirrored.doubts.inverted, 0u);
+    for (const double open : mirrored.open()) EXPECT_GT(open, 0.3);
+}
+
+TEST(Vertices, NormalBehindItsFacesLooksOutOnTheirSide) {
+    Surface bad = blob();
+    const std::vector<double> straight = bake(sceneOf({bad})).open();
+    for (size_t v = 0; v < bad.normals.size(); v += 50) bad.normals[v] = -bad.normals[v];
+    const Baked baked = bake(sceneOf({bad}));
+    EXPECT_EQ(baked.doubts.against, (bad.normals.size() + 49) / 50);
+    for (size_t v = 0; v < bad.normals.size(); v += 50) EXPECT_NEAR(baked.open()[v], straight[v], 0.05);
+}
+
+TEST(Vertices, PointInsideAClosedSolidIsCountedAndClosed) {
+    Surface inner;
+    addBlob(inner, {0, 0, 0}, 16, [](const glm::dvec3&) { return 0.3; });
+    const Baked baked = bake(sceneOf({blob(), inner}));
+    EXPECT_EQ(baked.doubts.buried, inner.positions.size());
+    EXPECT_EQ(baked.doubts.moved, 0u);
+    for (const double open : baked.open(1)) EXPECT_EQ(open, 0);
+    EXPECT_EQ(describe(baked.doubts).size(), 1u);
+    EXPECT_TRUE(describe(Doubts{}).empty());
+}
+
+}  // namespace
+}  // namespace apertura::test
