@@ -3,6 +3,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -79,7 +80,7 @@ double lobesAt(const Model& model, const Receiver& r, const dvec3& w) {
     const int count = model.numbers == 12 ? 4 : model.numbers == 9 ? 3 : 2;
     vec4 each(1);
     for (int k = 0; k < count; ++k) each[k] = float(lobe(k));
-    return lobesTogether(each, count, r.form[count]);
+    return lobesTogether(count, plainProducts(each), r.form[count]);
 }
 
 }  // namespace
@@ -163,9 +164,15 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
         case MODEL_MULTI_2:
         case MODEL_MULTI_3:
         case MODEL_MULTI_4: {
-            double sum = 0;
-            for (int k = 0; k < model.numbers / 3; ++k) sum += through(k);
-            return std::min(sum, open);
+            double seen = 0;  // by inclusion and exclusion
+            const int count = model.numbers / 3;
+            for (int set = 1; set < 1 << count; ++set) {
+                std::vector<ExactCap> caps{lit};
+                for (int k = 0; k < count; ++k)
+                    if (set >> k & 1) caps.push_back(cap(k));
+                seen += (std::popcount(unsigned(set)) % 2 ? 1 : -1) * share(caps, n, radius);
+            }
+            return seen;
         }
         case MODEL_AO: return open * std::min(double(r.visibility.w) / (2 * kPi), 1.0);
         default: break;

@@ -1,7 +1,7 @@
 // One aperture and one cap light: the published formula and ours. GLSL and C++ include this text.
 #ifndef APERTURA_APERTURE_GLSL
 #define APERTURA_APERTURE_GLSL
-#include "cap.glsl"
+#include "edges.glsl"
 
 // The open directions around a point, as one spherical cap.
 struct Aperture {
@@ -116,6 +116,12 @@ APERTURA_FN float lightThroughAperture(vec3 normal, Aperture aperture, CapLight 
     return size == LIGHTS_MEDIUM ? e : min(e, lightAboveHorizon(normal, light));
 }
 
+// The share of a light's E inside an aperture; of a light up to 10 degrees it is lit as if by all of the light.
+APERTURA_FN float shareThroughAperture(vec3 normal, Aperture aperture, CapLight light, int size) {
+    if (size != LIGHTS_ANY) return overlapOf(distanceOf(aperture.axis, light.axis), aperture.height, aperture.size, light, size).share * min(aperture.height * light.inverseHeight, 1.0f);
+    return clamp(lightThroughAperture(normal, aperture, light, size) / max(lightAboveHorizon(normal, light), 1e-12f), 0.0f, 1.0f);
+}
+
 // The share of a light's E inside an aperture of any height: one over a hemisphere is what its complement
 // leaves; its size is that one's already.
 APERTURA_FN float apertureShare(vec3 normal, Aperture aperture, CapLight light, int size) {
@@ -141,6 +147,14 @@ APERTURA_FN float apertureShare(vec3 normal, Aperture aperture, CapLight light, 
     return large ? 1.0f - share : share;
 }
 
+// The edgeShare of two caps' rims. `between`, `al`, `bl`: the cosines between their axes, and from each to the light's.
+APERTURA_FN float rimsOver(float between, float al, float bl, CapLight light, int size) {
+    float inverse = inversesqrt(max((1.0f - al * al) * (1.0f - bl * bl), 1e-12f));
+    float w = edgeShare(clamp((between - al * bl) * inverse, -1.0f, 1.0f));
+    // Less where they bend within the light.
+    return size >= LIGHTS_SMALL ? w : w / (1.0f + 0.15f * light.sinRadius * light.sinRadius * inverse);
+}
+
 // E of a cap light through the intersection of two apertures or, where `inverse` is 1, through what it
 // leaves. A cap less an anti-cap is one with a large cap, its complement; two caps are what two large ones
 // leave. How much of the light both hold depends on how their edges lie to each other as the light sees it.
@@ -148,14 +162,7 @@ APERTURA_FN float apertureShare(vec3 normal, Aperture aperture, CapLight light, 
 APERTURA_FN float lightThroughTwoCaps(vec3 normal, Aperture a, Aperture b, float between, float inverse, CapLight light, int size) {
     float p = apertureShare(normal, a, light, size);
     float q = apertureShare(normal, b, light, size);
-    float al = dot(a.axis, light.axis);
-    float bl = dot(b.axis, light.axis);
-    float mm = max((1.0f - al * al) * (1.0f - bl * bl), 1e-12f);
-    float inverseM = inversesqrt(mm);
-    float c = clamp((between - al * bl) * inverseM, -1.0f, 1.0f);
-    float w = c * (0.64f + 0.36f * c * c);
-    if (size < LIGHTS_SMALL) w = w / (1.0f + 0.15f * light.sinRadius * light.sinRadius * inverseM);
-    float both = p * q + abs(w) * ((w > 0.0f ? min(p, q) : max(p + q - 1.0f, 0.0f)) - p * q);
+    float both = meanOfTwo(p, q, rimsOver(between, dot(a.axis, light.axis), dot(b.axis, light.axis), light, size));
     return lightOnSurface(normal, light, size) * (inverse > 0.5f ? 1.0f - both : both);
 }
 

@@ -83,43 +83,82 @@ APERTURA_FN float shVisibility(Receiver receiver, CapLight light, int bands) {
     return clamp(v, 0.0f, 1.0f);
 }
 
-// What `count` lobes let through together, from what each does: their product, in which what the first pair
-// leaves of 1 stands for that pair where how.w is 1, and of the second too where it is 2; or what all that
-// leaves of 1, where how.x is 1. So an opening between blockers, several openings, and openings longer than wide.
-APERTURA_FN float lobesTogether(vec4 each, int count, vec4 how) {
-    float all = each.x * each.y;
-    if (count >= 3) {
-        all = how.w > 0.5f ? 1.0f - all : all;
-        float others = each.z * each.w;
-        if (count >= 4) others = how.w > 1.5f ? 1.0f - others : others;
-        all *= others;
-    }
-    return how.x > 0.5f ? 1.0f - all : all;
+// What `count` lobes, two to four, let through together. Lobe 0 and 1 of more than two, and 2 and 3 of four, may
+// make a pair: how.w of those pairs let through what their product leaves of 1. Where how.x is 1, so do all.
+APERTURA_FN float lobesTogether(int count, MeanProducts m, vec4 how) {
+    float through = m.all;
+    if (count >= 3 && how.w > 0.5f) through = count >= 4 && how.w > 1.5f ? 1.0f - m.pair.x - m.pair.y + m.all : m.last - m.all;
+    return how.x > 0.5f ? 1.0f - through : through;
+}
+
+// The products of `count` lobes over a light from what each lets through. `along`: dot(slope, light.axis).
+APERTURA_FN MeanProducts lobeProducts(Receiver receiver, int count, vec4 p, vec4 along, CapLight light) {
+    vec3 s[4];
+    for (int k = 0; k < 4; ++k) s[k] = vec3(receiver.form[min(k, count - 1)]);
+    float w1 = edgesOver(s[0], along.x, s[1], along.y, light);
+    vec2 w2 = vec2(0.0f);
+    vec3 w3 = vec3(0.0f);
+    if (count >= 3) w2 = vec2(edgesOver(s[0], along.x, s[2], along.z, light), edgesOver(s[1], along.y, s[2], along.z, light));
+    if (count >= 4)
+        w3 = vec3(edgesOver(s[0], along.x, s[3], along.w, light), edgesOver(s[1], along.y, s[3], along.w, light), edgesOver(s[2], along.z, s[3], along.w, light));
+    return meanProducts(count, p, w1, w2, w3);
 }
 
 // E of a cap light through `count` lobes, two to four; how they go together stands in the slot behind them.
 APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light, int size) {
     vec3 n = receiver.normal;
     vec4 how = receiver.form[count];
-    vec4 each = vec4(1.0f);
+    vec4 p = vec4(1.0f);
+    vec4 along = vec4(0.0f);
     float visible = 0.0f;
-    if (size >= LIGHTS_SMALL) {
-        for (int k = 0; k < count; ++k) each[k] = size == LIGHTS_SUN ? lobeAt(softIn(receiver.form[k]), light) : lobeOverMedium(softIn(receiver.form[k]), light);
-        visible = lobesTogether(each, count, how);
-    } else if (size == LIGHTS_MEDIUM) {
-        for (int k = 0; k < count; ++k) {
-            vec3 slope = vec3(receiver.form[k]);
-            each[k] = linkOverLight(n, receiver.form[k].w + dot(slope, light.axis), slope, light, wholeDisc());
-        }
-        visible = lobesTogether(each, count, how);
-    } else {
+    if (size == LIGHTS_ANY) {
         FourLights four = quarters(n, light);
         for (int i = 0; i < 4; ++i) {
-            for (int k = 0; k < count; ++k) each[k] = lobeOverPart(n, softIn(receiver.form[k]), four.axis[i], four.part);
-            visible += four.weight[i] * lobesTogether(each, count, how);
+            CapLight part = four.part;
+            part.axis = four.axis[i];
+            for (int k = 0; k < count; ++k) {
+                SoftAperture lobe = softIn(receiver.form[k]);
+                along[k] = dot(lobe.slope, part.axis);
+                p[k] = linkOverLight(n, lobe.offset + along[k], lobe.slope, part, quarterDisc());
+            }
+            visible += four.weight[i] * lobesTogether(count, lobeProducts(receiver, count, p, along, part), how);
         }
+    } else {
+        for (int k = 0; k < count; ++k) {
+            SoftAperture lobe = softIn(receiver.form[k]);
+            along[k] = dot(lobe.slope, light.axis);
+            p[k] = size == LIGHTS_SUN     ? link(lobe.offset + along[k])
+                 : size == LIGHTS_SMALL ? lobeOverMedium(lobe, light)
+                                        : linkOverLight(n, lobe.offset + along[k], lobe.slope, light, mediumDisc());
+        }
+        if (size == LIGHTS_SUN) return lightOnSurface(n, light, size) * lobesTogether(count, plainProducts(p), how);
+        visible = lobesTogether(count, lobeProducts(receiver, count, p, along, light), how);
     }
     return lightOnSurface(n, light, size) * visible;
+}
+
+// The share of a cap light that at least one of two to four apertures lets through: what the product of what each
+// keeps back leaves of 1.
+APERTURA_FN float shareOfAny(Receiver receiver, int count, CapLight light, int size) {
+    vec4 kept = vec4(1.0f);
+    vec4 cosine = vec4(0.0f);  // between their axes and the light's
+    for (int k = 0; k < count; ++k) {
+        vec4 slot = receiver.form[k];
+        vec4 two = receiver.form[count + k / 2];
+        vec2 own = (k & 1) == 0 ? vec2(two.x, two.y) : vec2(two.z, two.w);
+        cosine[k] = dot(vec3(slot), light.axis);
+        kept[k] = 1.0f - shareThroughAperture(receiver.normal, apertureIn(slot, vec3(own.x, own.y, 0.0f)), light, size);
+    }
+    vec3 a[4];
+    for (int k = 0; k < 4; ++k) a[k] = vec3(receiver.form[min(k, count - 1)]);
+    float w1 = rimsOver(dot(a[0], a[1]), cosine.x, cosine.y, light, size);
+    vec2 w2 = vec2(0.0f);
+    vec3 w3 = vec3(0.0f);
+    if (count >= 3) w2 = vec2(rimsOver(dot(a[0], a[2]), cosine.x, cosine.z, light, size), rimsOver(dot(a[1], a[2]), cosine.y, cosine.z, light, size));
+    if (count >= 4)
+        w3 = vec3(rimsOver(dot(a[0], a[3]), cosine.x, cosine.w, light, size), rimsOver(dot(a[1], a[3]), cosine.y, cosine.w, light, size),
+                  rimsOver(dot(a[2], a[3]), cosine.z, cosine.w, light, size));
+    return 1.0f - meanProducts(count, kept, w1, w2, w3).all;
 }
 
 // E of a cap light at the receiver. `size`: the least of LIGHTS_... that covers it.
@@ -154,15 +193,7 @@ APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, 
     float open = lightOnSurface(n, light, size);
     if (model == MODEL_MULTI_2 || model == MODEL_MULTI_3 || model == MODEL_MULTI_4) {
         int count = model == MODEL_MULTI_2 ? 2 : (model == MODEL_MULTI_3 ? 3 : 4);
-        float sum = 0.0f;
-        for (int k = 0; k < count; ++k) {
-            // No room for the third of a size: it is made here, for small lights.
-            float third = sizeOf(receiver.form[k].w).z;
-            vec4 two = receiver.form[count + k / 2];
-            vec3 own = (k & 1) == 0 ? vec3(two.x, two.y, third) : vec3(two.z, two.w, third);
-            sum += lightThroughAperture(n, apertureIn(receiver.form[k], own), light, size);
-        }
-        return min(sum, open);
+        return open * shareOfAny(receiver, count, light, size);
     }
     if (model == MODEL_SH_L1) return open * shVisibility(receiver, light, 1);
     if (model == MODEL_SH_L2) return open * shVisibility(receiver, light, 2);

@@ -14,20 +14,22 @@ struct SoftAperture {
 
 APERTURA_FN float link(float f) { return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f); }
 
-// How a plane is averaged over a cap light: constants fitted to the integral over lobes that scenes have.
+// How a plane is averaged over a cap light: constants fitted to the integral, with a price on steps that no light makes.
 struct DiscLaw {
     float shrink;    // the centre's way to the cap's centroid, in heights of the cap
     float lean;      // of a light that the horizon cuts, towards the part that is left, in sines of its radius,
     float leanLess;  // and less with each unit of its cosine to the normal
     float across;    // squared half breadth of the line that stands for the disc, in squared sines,
     float through;   // and for the bulge, in squared heights
+    float ends;      // of the line: 1 sharp; a disc's edges come in more softly
 };
-APERTURA_FN DiscLaw wholeDisc() { return DiscLaw(0.46f, 0.433f, 0.155f, 0.648f, 0.2f); }
-APERTURA_FN DiscLaw quarterDisc() { return DiscLaw(0.452f, 0.325f, 0.089f, 0.623f, 0.194f); }
+APERTURA_FN DiscLaw wholeDisc() { return DiscLaw(0.5050f, 0.4684f, 0.1431f, 0.6364f, 0.5582f, 0.9416f); }
+// Of lobes under lights of medium size, a little softer: the edges of two may be one.
+APERTURA_FN DiscLaw mediumDisc() { return DiscLaw(0.5050f, 0.4684f, 0.1431f, 0.70f, 0.5582f, 0.9416f); }
+APERTURA_FN DiscLaw quarterDisc() { return DiscLaw(0.5677f, 0.3954f, 0.1008f, 0.74f, 0.2322f, 0.8493f); }
 
 // The mean of link(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
-// axis and has the gradient `slope`. The integral of link has a closed form along a line; the disc is near
-// to one.
+// axis and has the gradient `slope`. The integral of link has a closed form along a line; the disc is near to one.
 APERTURA_FN float linkOverLight(vec3 normal, float centre, vec3 slope, CapLight light, DiscLaw law) {
     float z = dot(normal, light.axis);
     float s = light.sinRadius;
@@ -38,9 +40,9 @@ APERTURA_FN float linkOverLight(vec3 normal, float centre, vec3 slope, CapLight 
     float q2 = law.across * s * s * max(dot(slope, slope) - along * along, 0.0f) + law.through * through * through;
     f = clamp(f, -1e6f, 1e6f);  // whose fourth power is a number
     q2 = min(q2, 1e12f);
-    // 1/2 + f / (sqrt(1 + (f + q)^2) + sqrt(1 + (f - q)^2)), with one root less.
+    // Along a line 1/2 + f / (sqrt(1 + (f + q)^2) + sqrt(1 + (f - q)^2)), with one root less.
     float b = 1.0f + f * f + q2;
-    return clamp(0.5f + 0.5f * f * inversesqrt(0.5f * (b + sqrt(max(b * b - 4.0f * f * f * q2, 0.0f)))), 0.0f, 1.0f);
+    return clamp(0.5f + 0.5f * f * inversesqrt(0.5f * (b + sqrt(max(b * b - 4.0f * law.ends * f * f * q2, 0.0f)))), 0.0f, 1.0f);
 }
 
 // Of a light so small that it is a point.
@@ -70,6 +72,14 @@ APERTURA_FN float lightThroughSoft(vec3 normal, SoftAperture soft, CapLight ligh
     return lightOnSurface(normal, light, size) * visible;
 }
 
+// The edgeShare of two lobes: less where they are softer than the light is wide. `along`: dot(slope, light.axis) of each.
+APERTURA_FN float edgesOver(vec3 a, float alongA, vec3 b, float alongB, CapLight light) {
+    float acrossA = max(dot(a, a) - alongA * alongA, 0.0f);
+    float acrossB = max(dot(b, b) - alongB * alongB, 0.0f);
+    float c = light.spread * (dot(a, b) - alongA * alongB) * inversesqrt((2.0f + light.spread * acrossA) * (2.0f + light.spread * acrossB));
+    return edgeShare(clamp(c, -1.0f, 1.0f));
+}
+
 // A large light as four smaller ones around its centre: what has no closed form over one disc is summed
 // over them. Each has the size of the light in `part`.
 struct FourLights {
@@ -84,10 +94,10 @@ APERTURA_FN FourLights quarters(vec3 normal, CapLight light) {
     vec3 t = tangentTo(n);
     vec3 u = t - dot(t, light.axis) / max(1.0f + dot(n, light.axis), 1e-3f) * (light.axis + n);
     vec3 v = cross(light.axis, u);
-    float side = 0.632f * light.sinRadius;
+    float side = 0.6188f * light.sinRadius;
     vec3 centre = sqrt(1.0f - side * side) * light.axis;
     FourLights four;
-    four.part = capLight(light.axis, 0.53f * light.sinRadius);
+    four.part = capLight(light.axis, 0.5806f * light.sinRadius);
     four.axis[0] = centre + side * u;
     four.axis[1] = centre - side * u;
     four.axis[2] = centre + side * v;

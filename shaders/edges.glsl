@@ -1,0 +1,67 @@
+// The mean over a light of a product of visibilities, from the means of its factors and how their edges lie to each
+// other: two that share an edge let through what one does, and not the square of it. GLSL and C++ include this text.
+#ifndef APERTURA_EDGES_GLSL
+#define APERTURA_EDGES_GLSL
+#include "cap.glsl"
+
+// How far two edges coincide, as a light sees them, from the cosine between their gradients across it: 1 they are one,
+// 0 they cross, -1 they face each other. Nearly 2 / pi asin(c), the law of two normal variables of correlation c at
+// their medians (Sheppard, "On the application of the theory of error to cases of normal distribution and normal
+// correlation", 1899).
+APERTURA_FN float edgeShare(float c) { return c * (0.64f + 0.36f * c * c); }
+
+// The mean of a product of two from their means p and q, 0..1, and their edgeShare w: of one edge it is the less of the
+// two, and of edges that face each other what both exceed 1 by.
+APERTURA_FN float meanOfTwo(float p, float q, float w) {
+    return p * q + abs(w) * ((w > 0.0f ? min(p, q) : max(p + q - 1.0f, 0.0f)) - p * q);
+}
+
+// Of three, from theirs and those of their pairs (01, 02, 12): each pair adds what it is beyond the product of its
+// means, and no set holds more than a part of it does.
+APERTURA_FN float meanOfThree(vec3 p, vec3 pair) {
+    float sum = p.x * pair.z + p.y * pair.y + p.z * pair.x - 2.0f * p.x * p.y * p.z;
+    float least = max(max(pair.x + pair.y - p.x, pair.x + pair.z - p.y), max(pair.y + pair.z - p.z, 0.0f));
+    return clamp(sum, least, max(least, min(pair.x, min(pair.y, pair.z))));
+}
+
+// Of four, likewise: `two` of 01 and 23, `pair` of 02, 12, 03, 13.
+APERTURA_FN float meanOfFour(vec4 p, vec2 two, vec4 pair) {
+    float d02 = pair.x - p.x * p.z;
+    float d12 = pair.y - p.y * p.z;
+    float d03 = pair.z - p.x * p.w;
+    float d13 = pair.w - p.y * p.w;
+    float sum = two.x * two.y + d02 * p.y * p.w + d12 * p.x * p.w + d03 * p.y * p.z + d13 * p.x * p.z + d02 * d13 + d03 * d12;
+    float least = max(two.x + two.y - 1.0f, 0.0f);
+    return clamp(sum, least, max(least, min(min(two.x, two.y), min(min(pair.x, pair.y), min(pair.z, pair.w)))));
+}
+
+// What products of two to four factors are on average.
+struct MeanProducts {
+    vec2 pair;   // of 0 and 1, and of 2 and 3
+    float last;  // of all but the first two
+    float all;
+};
+
+// Of factors whose edges are all softer than the light is wide: nothing is lost by the product of means. Of fewer than
+// four the rest of `p` is 1.
+APERTURA_FN MeanProducts plainProducts(vec4 p) { return MeanProducts(vec2(p.x * p.y, p.z * p.w), p.z * p.w, p.x * p.y * p.z * p.w); }
+
+// Of `count` factors by their edgeShares: w1 of 01; w2 of 02, 12; w3 of 03, 13, 23.
+APERTURA_FN MeanProducts meanProducts(int count, vec4 p, float w1, vec2 w2, vec3 w3) {
+    MeanProducts m;
+    m.pair = vec2(meanOfTwo(p.x, p.y, w1), p.z);
+    m.last = p.z;
+    m.all = m.pair.x;
+    if (count >= 3) {
+        vec2 withThird = vec2(meanOfTwo(p.x, p.z, w2.x), meanOfTwo(p.y, p.z, w2.y));
+        m.all = meanOfThree(vec3(p), vec3(m.pair.x, withThird.x, withThird.y));
+        if (count >= 4) {
+            m.pair.y = meanOfTwo(p.z, p.w, w3.z);
+            m.last = m.pair.y;
+            m.all = meanOfFour(p, m.pair, vec4(withThird.x, withThird.y, meanOfTwo(p.x, p.w, w3.x), meanOfTwo(p.y, p.w, w3.y)));
+        }
+    }
+    return m;
+}
+
+#endif
