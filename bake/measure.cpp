@@ -16,6 +16,7 @@ namespace apertura {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kLeakCosine = 0.1;  // of a light to the normal, from which on what it leaks counts
 constexpr double kPathRadius = 5;  // degrees, of the light that PathRow speaks of
 
 // E / (L pi sin^2 r) as the model has it.
@@ -80,13 +81,16 @@ void addRows(const Ground& ground, const Made& made, const std::vector<Visibilit
         row.lightRadius = options.lightRadii[r];
         row.ambient = std::sqrt(ambient / double(n));
         size_t count = 0;
+        std::vector<double> leaks;
         for (size_t i = 0; i < n; ++i) {
             double here = 0;
             for (size_t k = 0; k < ground.lights[i].size(); ++k) {
                 const TruthSample& sample = ground.truth[i][r][k];
                 const CapLight light = capLight(ground.lights[i][k], float(std::sin(row.lightRadius * kPi / 180)));
                 double e = -sample.mean();
+                const bool blocked = sample.first <= 0 && sample.second <= 0 && glm::dot(ground.lights[i][k], ground.points[i].at.normal) > kLeakCosine;
                 for (const auto& [weight, receiver] : made.receivers[i]) e += weight * modelValue(made.model->id, receiver, light);
+                if (blocked) leaks.push_back(e);
                 here += e * e;
                 row.bias += e;
                 row.max = std::max(row.max, std::abs(e));
@@ -101,6 +105,11 @@ void addRows(const Ground& ground, const Made& made, const std::vector<Visibilit
         row.rmsTruth = std::sqrt(row.rmsTruth / double(count));
         row.noise = std::sqrt(row.noise / double(count));
         row.bias /= double(count);
+        if (!leaks.empty()) {
+            std::sort(leaks.begin(), leaks.end());
+            row.leakMax = std::max(leaks.back(), 0.0);
+            row.leak99 = std::max(leaks[size_t(0.99 * double(leaks.size() - 1))], 0.0);
+        }
         rows.push_back(row);
     }
 }

@@ -13,15 +13,16 @@ using Packed16 = std::array<int16_t, 4>;  // 8 bytes a point
 
 // Bounds on the errors of unpack(pack(v)), for any possible v. `area` is of A / 2 pi. `direction` is the
 // length of the error of D / A: half a step a component from rounding, and a quarter of a step where the
-// result is clamped to what is possible. The angle between the axes is at most asin(direction / |D / A|).
+// result is clamped to what is possible. The angle between the axes is at most asin(direction / |D / A|). `radius`,
+// radians, is of the cap of the same area: 2 asin(sqrt(A / 4 pi)), whose slope by sqrt(A) is greatest at a hemisphere.
 // A point that is open by no more than `closed` of the hemisphere comes back closed.
 struct PackingError {
-    double area, direction, closed;
+    double area, direction, closed, radius;
 };
 constexpr PackingError packingError(int bits) {
     const double step = 1.0 / ((1 << (bits - 1)) - 1);
     constexpr double halfDiagonal = 0.8660254037844386;  // sqrt(3) / 2
-    return {step / 2 + step * step / 16, (halfDiagonal + 0.25) * step + 1e-6, step * step / 16};
+    return {step / 2 + step * step / 16, (halfDiagonal + 0.25) * step + 1e-6, step * step / 16, step / 2 + 1e-6};
 }
 
 // `v` is first clamped to what is possible (clampToPossible).

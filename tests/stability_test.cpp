@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "bake/load.h"
+#include "bake/storage.h"
 #include "runtime/renderer.h"
 #include "sh/packing.h"
 #include "tests/support.h"
@@ -82,6 +83,37 @@ TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
             const bool caps = s.model == "aperture" || s.model == "alpha" || s.model == "anti";
             EXPECT_LE(s.step, caps ? 1.02 : s.model == "cap-anti" ? 1.06 : s.model == "soft" ? 1.2 : 1.4) << scene << ", " << s.model << ", " << s.radius << " degrees";
         }
+}
+
+TEST(Stability, BytesKeepToTheBoundsOfAxisAndRadius) {
+    for (const int bits : {8, 16}) {
+        double axis = 0, radius = 0;  // the largest share of the bound
+        for (const DecodeError& e : decodeErrors(bits)) {
+            EXPECT_LE(e.axis, e.axisBound * 1.0001 + 1e-4) << bits << " bits, open " << e.open << ", capness " << e.capness;
+            EXPECT_LE(e.radius, e.radiusBound) << bits << " bits, open " << e.open;
+            if (e.axisBound < 80) axis = std::max(axis, e.axis / e.axisBound);
+            radius = std::max(radius, e.radius / e.radiusBound);
+        }
+        EXPECT_GT(axis, 0.6);  // the bounds are not idle
+        EXPECT_GT(radius, 0.6);
+    }
+}
+
+TEST(Stability, WhatIsMixedStaysBetweenItsEnds) {
+    int mixed = 0;
+    double oat = 0;
+    for (const Model& model : models())
+        for (const MixingError& e : mixingErrors(model)) {
+            if (model.id == MODEL_OAT) oat = std::max(oat, e.above);
+            if (model.baseline) continue;
+            ++mixed;
+            // In each direction the mix of two soft apertures lies between them; a light is many directions.
+            const double darker = e.lightRadius < 1 ? 1e-4 : 0.31, brighter = e.lightRadius < 1 ? 1e-4 : 0.06;
+            EXPECT_LE(e.below, darker) << e.model << ", " << e.between << ", " << e.lightRadius;
+            EXPECT_LE(e.above, brighter) << e.model << ", " << e.between << ", " << e.lightRadius;
+        }
+    EXPECT_EQ(mixed, 8 * 4);  // soft alone: of all others the light is interpolated
+    EXPECT_GT(oat, 0.9);      // an opening that wanders from one end to the other
 }
 
 TEST(Stability, EveryPackedValueIsPossible) {

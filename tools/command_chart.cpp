@@ -148,14 +148,14 @@ std::string inQuotes(const std::string& text) {
 std::string toCsv(const std::vector<Measurement>& all, const Costs& costs, const std::map<std::string, BakeCost>& baking) {
     std::ostringstream out;
     out.precision(6);
-    out << "scene,model,source,numbers,bytes,light_radius_deg,rmse,bias,max,rms_truth,noise,ambient_rmse";
+    out << "scene,model,source,numbers,bytes,light_radius_deg,rmse,bias,max,rms_truth,noise,ambient_rmse,leak_max,leak_99";
     for (const char* family : kFamilies) out << ",cycles_" << family;
     out << ",time_ratio,bake_ratio,fits_per_second\n";
     for (const Measurement& m : all)
         for (const MeasureRow& r : m.rows) {
             if (r.source == "rays" && findModel(r.model)->fromVisibility) continue;  // the same as from sh
             out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << r.numbers << ',' << r.bytes << ',' << r.lightRadius << ','
-                << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise << ',' << r.ambient;
+                << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise << ',' << r.ambient << ',' << r.leakMax << ',' << r.leak99;
             const std::pair key(findModel(r.model)->id, lightsOf(float(std::sin(r.lightRadius * PI / 180))));
             for (const char* family : kFamilies) {
                 out << ',';

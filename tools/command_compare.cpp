@@ -37,7 +37,9 @@ nlohmann::ordered_json toJson(const Measurement& m) {
                         {"max", r.max},
                         {"rms_truth", r.rmsTruth},
                         {"noise", r.noise},
-                        {"ambient_rmse", r.ambient}});
+                        {"ambient_rmse", r.ambient},
+                        {"leak_max", r.leakMax},
+                        {"leak_99", r.leak99}});
     for (const PathRow& p : m.paths)
         paths.push_back({{"stage", p.stage},
                          {"source", p.source},

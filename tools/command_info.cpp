@@ -66,7 +66,8 @@ nlohmann::ordered_json describe(const std::string& file) {
             {"error_bounds",
              {{"area_of_hemisphere", error.area},
               {"direction", error.direction},
-              {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / PI}}}};
+              {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / PI},
+              {"radius_degrees", error.radius * 180 / PI}}}};
     if (asset.info.model == "auto") out["auto"] = describeChoices(asset);
     return out;
 }
@@ -94,9 +95,9 @@ void print(const nlohmann::ordered_json& d) {
     std::printf("  visibility    %.3f of the hemisphere open on average, capness %.3f, %zu vertices closed\n",
                 d["mean_open"].get<double>(), d["mean_capness"].get<double>(), d["closed_vertices"].get<size_t>());
     const auto& e = d["error_bounds"];
-    std::printf("  error bounds  area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap)\n",
+    std::printf("  error bounds  area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap), radius %.3f degrees\n",
                 e["area_of_hemisphere"].get<double>(), e["direction"].get<double>(),
-                e["direction_degrees_of_a_cap"].get<double>());
+                e["direction_degrees_of_a_cap"].get<double>(), e["radius_degrees"].get<double>());
 }
 
 }  // namespace

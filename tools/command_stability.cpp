@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "bake/stability.h"
+#include "bake/storage.h"
 #include "runtime/error.h"
 #include "runtime/file.h"
 #include "runtime/renderer.h"
@@ -55,6 +56,25 @@ std::string mapCsv(const std::vector<FailurePoint>& rows) {
     out.precision(5);
     out << "model,light_radius_deg,aperture_radius_deg,distance,error\n";
     for (const FailurePoint& r : rows) out << r.model << ',' << r.lightRadius << ',' << r.apertureRadius << ',' << r.distance << ',' << r.error << '\n';
+    return out.str();
+}
+
+std::string decodeCsv() {
+    std::ostringstream out;
+    out.precision(5);
+    out << "bits,open,capness,axis_deg,axis_bound_deg,radius_deg,radius_bound_deg\n";
+    for (const int bits : {8, 16})
+        for (const DecodeError& r : decodeErrors(bits))
+            out << r.bits << ',' << r.open << ',' << r.capness << ',' << r.axis << ',' << r.axisBound << ',' << r.radius << ',' << r.radiusBound << '\n';
+    return out.str();
+}
+
+std::string mixingCsv(const std::vector<MixingError>& rows) {
+    std::ostringstream out;
+    out.precision(5);
+    out << "model,baseline,between,light_radius_deg,below,above,path\n";
+    for (const MixingError& r : rows)
+        out << r.model << ',' << findModel(r.model)->baseline << ",\"" << r.between << "\"," << r.lightRadius << ',' << r.below << ',' << r.above << ',' << r.path << '\n';
     return out.str();
 }
 
@@ -107,6 +127,7 @@ void run(const Arguments& a) {
     std::vector<StabilityRow> rows;
     std::vector<SceneSteps> steps;
     std::vector<FailurePoint> map;
+    std::vector<MixingError> mixing;
     std::vector<ModelReport> reports;
     {
         ProgressBar bar("sweeping");
@@ -127,6 +148,7 @@ void run(const Arguments& a) {
                 rows.push_back(row);
             }
             for (const FailurePoint& point : failureMap(model, tools)) map.push_back(point);
+            for (const MixingError& row : mixingErrors(model)) mixing.push_back(row);
             reports.push_back(report);
             show(0.7 * double(m + 1) / double(asked.size()));
         }
@@ -145,6 +167,8 @@ void run(const Arguments& a) {
     writeTextFile(a.out + "/scenes.csv", scenesCsv(steps));
     writeTextFile(a.out + "/map.csv", mapCsv(map));
     writeTextFile(a.out + "/counts.csv", countsCsv(reports));
+    writeTextFile(a.out + "/decode.csv", decodeCsv());
+    writeTextFile(a.out + "/mixing.csv", mixingCsv(mixing));
     print(reports);
     drawCharts(APERTURA_STABILITY_CHARTS, a.out, "the tables are there, the charts are not");
 }
@@ -155,7 +179,7 @@ void addStabilityCommand(CLI::App& program) {
     auto a = std::make_shared<Arguments>();
     CLI::App& command = *program.add_subcommand("stability", "where each model breaks: singular configurations, hostile numbers, flashes");
     command.footer(
-        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv and charts of them. What was published, and the rivals, are marked as\n"
+        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv, decode.csv, mixing.csv and charts of them. What was published, and the rivals, are marked as\n"
         "baselines: they stay as they are.\n"
         "Example: apertura stability -o stability");
     command.add_option("-o", a->out, "the folder for all of it; made where it is not there")->required()->type_name("DIR");

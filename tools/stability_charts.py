@@ -71,6 +71,29 @@ def failure_map(folder, rows):
     plt.close(figure)
 
 
+def decode_chart(folder, rows):
+    """What 8 and 16 bits do to the axis and the radius, and the bounds that `info` prints."""
+    figure, grid = plt.subplots(1, 2, figsize=(9, 3.6))
+    for bits, style in (("8", "-"), ("16", "--")):
+        here = [r for r in rows if r["bits"] == bits]
+        for capness, colour in (("1", "C0"), ("0.4", "C1"), ("0.1", "C2")):
+            line = [r for r in here if r["capness"] == capness]
+            x = [float(r["open"]) for r in line]
+            grid[0].plot(x, [float(r["axis_deg"]) for r in line], style, color=colour, lw=1.2, label=f"{bits} bits, |D| {capness} of a cap's")
+            grid[0].plot(x, [float(r["axis_bound_deg"]) for r in line], ":", color=colour, lw=0.8)
+        line = [r for r in here if r["capness"] == "1"]
+        grid[1].plot([float(r["open"]) for r in line], [max(float(q["radius_deg"]) for q in here if q["open"] == r["open"]) for r in line], style,
+                     color="C3", lw=1.2, label=f"{bits} bits")
+        grid[1].axhline(float(here[0]["radius_bound_deg"]), ls=":", color="C3", lw=0.8)
+    for axes, what in zip(grid, ("axis", "radius")):
+        axes.set(xscale="log", yscale="log", xlabel="open, of the hemisphere", ylabel=f"largest error of the {what}, degrees")
+        axes.set_title(f"{what}; dotted: the bound", fontsize=8, loc="left")
+        axes.legend(fontsize=6)
+        axes.grid(alpha=0.3)
+    figure.savefig(folder / "decode.png", dpi=130)
+    plt.close(figure)
+
+
 def main(folder):
     sweeps = read(folder, "sweeps.csv")
     table(folder, "sweep-errors", "Largest error in shares of the smaller of light and opening; bold: over 0.015", sweeps, "sweep",
@@ -84,6 +107,11 @@ def main(folder):
     table(folder, "scene-steps", "Largest step of a light over the built-in scenes,\nas a multiple of what its rim sweeps; bold: over 1", steps, "light",
           lambda r: min(float(r["step"]), 99), 2.5, 1.005)
     failure_map(folder, read(folder, "map.csv"))
+    decode_chart(folder, read(folder, "decode.csv"))
+    mixing = read(folder, "mixing.csv")
+    if mixing:
+        table(folder, "mixing", "How far the light of what is mixed leaves that of the ends", mixing, "between",
+              lambda r: max(float(r["below"]), float(r["above"])), 1, 0.02)
 
 
 if __name__ == "__main__":
