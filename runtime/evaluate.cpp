@@ -1,20 +1,23 @@
 #include <cstdint>
 #include <cstring>
 
+#include "runtime/error.h"
 #include "runtime/renderer.h"
 
 #include "evaluate.comp.h"
+#include "evaluate16.comp.h"
 
 namespace apertura {
 
-std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int size, std::span<const Evaluation> inputs) {
+std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int size, std::span<const Evaluation> inputs, bool half) {
+    if (half && !gpu.hasHalf()) throw Error("Vulkan: the device has no 16-bit floats");
     const auto in = upload(gpu, std::as_bytes(inputs), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     const GpuBuffer out(gpu, inputs.size() * sizeof(vec2), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GpuBuffer::Place::Host);
     const GpuBindings::Binding slots[] = {
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_COMPUTE_BIT, in.get()},
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_COMPUTE_BIT, &out}};
     const GpuBindings bindings(gpu, slots);
-    const GpuShader shader(gpu, evaluate_comp);
+    const GpuShader shader = half ? GpuShader(gpu, evaluate16_comp) : GpuShader(gpu, evaluate_comp);
     const int32_t values[] = {model, size};
     const VkSpecializationMapEntry entries[] = {{0, 0, sizeof(int32_t)}, {1, sizeof(int32_t), sizeof(int32_t)}};
     const VkSpecializationInfo constants{2, entries, sizeof values, values};

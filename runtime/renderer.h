@@ -47,7 +47,8 @@ private:
     std::map<std::pair<int, int>, VkPipeline> pipelines_;  // by model and class of lights
 };
 
-// lightThrough and skyThrough (x, y) of a model on the device, for each of `inputs`; `size` LIGHTS_...
-std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int size, std::span<const Evaluation> inputs);
+// lightThrough and skyThrough (x, y) of a model on the device, for each of `inputs`; `size` LIGHTS_... With `half` in
+// 16-bit floats, for a device that offers them.
+std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int size, std::span<const Evaluation> inputs, bool half = false);
 
 }  // namespace apertura

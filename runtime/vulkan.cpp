@@ -113,7 +113,13 @@ Gpu::Gpu(const GpuOptions& options) : messages_(std::make_unique<std::vector<std
         features.dynamicRendering = VK_TRUE;
         features.synchronization2 = VK_TRUE;
         features.maintenance4 = VK_TRUE;  // glslang states workgroup sizes by id
-        VkDeviceCreateInfo device{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
+        VkPhysicalDeviceVulkan12Features offered{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+        VkPhysicalDeviceFeatures2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &offered};
+        vkGetPhysicalDeviceFeatures2(physical_, &all);
+        hasHalf_ = offered.shaderFloat16;
+        VkPhysicalDeviceVulkan12Features more{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &features};
+        more.shaderFloat16 = offered.shaderFloat16;
+        VkDeviceCreateInfo device{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &more};
         device.queueCreateInfoCount = 1;
         device.pQueueCreateInfos = &queue;
         VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables{

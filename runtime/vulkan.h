@@ -28,6 +28,7 @@ public:
     VkDevice device() const { return device_; }
     const std::string& name() const { return name_; }
     uint32_t largestImage() const { return largestImage_; }  // pixels a side
+    bool hasHalf() const { return hasHalf_; }  // shaders may compute in 16-bit floats
     double clockTick() const { return clockTick_; }         // seconds a timestamp; 0 where there are none
     VkDeviceSize largestBuffer() const { return largestBuffer_; }  // bytes that a shader can read
     // Warnings and errors of the validation layer so far.
@@ -47,6 +48,7 @@ private:
     VkQueue queue_ = VK_NULL_HANDLE;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     uint32_t family_ = 0, largestImage_ = 0;
+    bool hasHalf_ = false;
     double clockTick_ = 0;
     VkDeviceSize largestBuffer_ = 0;
     std::string name_;

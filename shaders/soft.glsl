@@ -12,7 +12,10 @@ struct SoftAperture {
     float offset;
 };
 
-APERTURA_FN float link(float f) { return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f); }
+APERTURA_FN float link(float any) {
+    float f = clamp(any, -1e6f, 1e6f);  // whose square is a number, in 16 bits too: see narrow.cmake
+    return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f);
+}
 
 // How a plane is averaged over a cap light: constants fitted to the integral, with a price on steps that no light makes.
 struct DiscLaw {
@@ -38,11 +41,13 @@ APERTURA_FN float linkOverLight(vec3 normal, float centre, vec3 slope, CapLight 
     float f = centre - law.shrink * light.height * along + lean * (dot(slope, normal) - along * z);
     float through = light.height * along;
     float q2 = law.across * s * s * max(dot(slope, slope) - along * along, 0.0f) + law.through * through * through;
-    f = clamp(f, -1e6f, 1e6f);  // whose fourth power is a number
-    q2 = min(q2, 1e12f);
-    // Along a line 1/2 + f / (sqrt(1 + (f + q)^2) + sqrt(1 + (f - q)^2)), with one root less.
+    // Along a line 1/2 + f / (sqrt(1 + (f + q)^2) + sqrt(1 + (f - q)^2)), with one root less, in numbers that a half holds.
+    f = clamp(f, -1e6f, 1e6f);
+    q2 = min(q2, 1e6f * 1e6f);
     float b = 1.0f + f * f + q2;
-    return clamp(0.5f + 0.5f * f * inversesqrt(0.5f * (b + sqrt(max(b * b - 4.0f * law.ends * f * f * q2, 0.0f)))), 0.0f, 1.0f);
+    float inverse = 1.0f / b;
+    float root = sqrt(max(1.0f - 4.0f * law.ends * (f * f * inverse) * (q2 * inverse), 0.0f));
+    return clamp(0.5f + 0.5f * f * inversesqrt(0.5f * b * (1.0f + root)), 0.0f, 1.0f);
 }
 
 // Of a light so small that it is a point.
@@ -53,7 +58,7 @@ APERTURA_FN float lobeAt(SoftAperture lobe, CapLight light) { return link(lobe.o
 // edge can sweep: half as broad would be nearer to the integral, and step.
 APERTURA_FN float lobeOverMedium(SoftAperture lobe, CapLight light) {
     float along = dot(lobe.slope, light.axis);
-    float f = lobe.offset + along * light.shrink;
+    float f = clamp(lobe.offset + along * light.shrink, -1e6f, 1e6f);
     return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f + light.spread * max(dot(lobe.slope, lobe.slope) - along * along, 0.0f));
 }
 

@@ -16,9 +16,9 @@ namespace {
 // values of 32 bits.
 bool exhaustive() { return std::getenv("APERTURA_EXHAUSTIVE") != nullptr; }
 
-std::vector<float> onDevice(const Gpu& gpu, int model, int size, const std::vector<Evaluation>& inputs) {
+std::vector<float> onDevice(const Gpu& gpu, int model, int size, const std::vector<Evaluation>& inputs, bool half = false) {
     std::vector<float> out;
-    for (const vec2& e : evaluateOnDevice(gpu, model, size, inputs)) out.push_back(e.x);
+    for (const vec2& e : evaluateOnDevice(gpu, model, size, inputs, half)) out.push_back(e.x);
     return out;
 }
 
@@ -48,6 +48,24 @@ TEST(Stability, NorDoesItOnTheDevice) {
         const HostileCount count = countHostile(model, 2, inputs, [&](int id, int size, const std::vector<Evaluation>& e) { return onDevice(gpu, id, size, e); });
         EXPECT_EQ(count.notFinite, 0u) << model.name;
         EXPECT_EQ(count.outside, 0u) << model.name;
+    }
+    for (const std::string& message : gpu.messages()) ADD_FAILURE() << message;
+}
+
+TEST(Stability, SixteenBitFloatsAreEnough) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the driver's compiler takes most of the time; NorDoesItOnTheDevice runs the same path";
+#endif
+    const Gpu gpu({.validate = true});
+    if (!gpu.hasHalf()) GTEST_SKIP() << "the device has no 16-bit floats";
+    std::vector<Scene> scenes;
+    for (const char* name : {"statue", "canyon"}) scenes.push_back(makeBuiltin(name));
+    std::vector<const Model*> asked;
+    for (const char* name : {"aperture", "soft", "firm-2", "soft-2", "multi-2", "cap-anti"}) asked.push_back(findModel(name));
+    for (const HalfError& e : measureHalf(scenes, asked, 6, 256, 1, {0.27, 5}, [&](int id, int size, const std::vector<Evaluation>& all) { return onDevice(gpu, id, size, all, true); })) {
+        EXPECT_EQ(e.notFinite, 0) << e.model << ", " << e.radius;
+        EXPECT_LE(e.rms, 0.01) << e.model << ", " << e.radius;
+        EXPECT_GE(e.rms, 1e-4) << e.model << ", " << e.radius << ": were these 32 bits?";
     }
     for (const std::string& message : gpu.messages()) ADD_FAILURE() << message;
 }

@@ -26,11 +26,13 @@ struct Arguments {
 };
 
 const std::vector<double> kRadii{0.27, 1, 5, 15, 30};  // degrees, of the lights that cross the scenes
+const std::vector<double> kHalfRadii{0.27, 1, 5, 15};  // one of each class: what takes long is to compile them
+const char* const kHalfScenes[] = {"terrain", "room-1", "statue", "canyon"};
 
 struct ModelReport {
     const Model* model;
     HostileCount here, onDevice;
-    double error = 0, step = 0, sceneStep = 0;
+    double error = 0, step = 0, sceneStep = 0, half = -1;
     std::string errorIn, stepIn, sceneStepIn;
 };
 
@@ -78,6 +80,14 @@ std::string mixingCsv(const std::vector<MixingError>& rows) {
     return out.str();
 }
 
+std::string halfCsv(const std::vector<HalfError>& rows) {
+    std::ostringstream out;
+    out << "model,baseline,light_radius_deg,lights,not_finite,rms,max\n";
+    for (const HalfError& r : rows)
+        out << r.model << ',' << findModel(r.model)->baseline << ',' << r.radius << ',' << r.lights << ',' << r.notFinite << ',' << r.rms << ',' << r.max << '\n';
+    return out.str();
+}
+
 std::string countsCsv(const std::vector<ModelReport>& reports) {
     std::ostringstream out;
     out << "model,baseline,inputs,not_finite,outside,device_inputs,device_not_finite,device_outside\n";
@@ -88,15 +98,16 @@ std::string countsCsv(const std::vector<ModelReport>& reports) {
 }
 
 void print(const std::vector<ModelReport>& reports) {
-    std::printf("%-11s %10s %8s   %6s %-52s %6s   %6s\n", "model", "not finite", "outside", "error", "in the sweep", "step", "scenes");
+    std::printf("%-11s %10s %8s   %6s %-52s %6s   %6s   %6s\n", "model", "not finite", "outside", "error", "in the sweep", "step", "scenes", "half");
     for (const ModelReport& r : reports)
-        std::printf("%-11s %10llu %8llu   %6.3f %-52s %6.2f   %6.2f%s\n", std::string(r.model->name).c_str(),
+        std::printf("%-11s %10llu %8llu   %6.3f %-52s %6.2f   %6.2f   %6s%s\n", std::string(r.model->name).c_str(),
                     static_cast<unsigned long long>(r.here.notFinite + r.onDevice.notFinite),
                     static_cast<unsigned long long>(r.here.outside + r.onDevice.outside), r.error, r.errorIn.c_str(), r.step, r.sceneStep,
+                    r.half < 0 ? "" : std::to_string(r.half).substr(0, 6).c_str(),
                     r.model->baseline ? "   baseline" : "");
     std::printf("error: the largest, in shares of the smaller of light and opening, from the model's own exact integral (of a baseline: from the\n"
                 "opening). step: the largest, in a sweep, as a multiple of the exact one. scenes: of a light that crosses the sky of the built-in\n"
-                "scenes, as a multiple of what its rim can sweep.\n");
+                "scenes, as a multiple of what its rim can sweep. half: what 16-bit floats add, the largest RMS of E / (L pi sin^2 r).\n");
 }
 
 void run(const Arguments& a) {
@@ -112,7 +123,7 @@ void run(const Arguments& a) {
     PendingFile(sweeps.c_str());  // says now that it cannot be written
 
     std::optional<Gpu> gpu;
-    FrameEvaluator device;
+    FrameEvaluator device, half;
     try {
         gpu.emplace();
         device = [&](int model, int size, const std::vector<Evaluation>& inputs) {
@@ -120,6 +131,12 @@ void run(const Arguments& a) {
             for (const vec2& e : evaluateOnDevice(*gpu, model, size, inputs)) out.push_back(e.x);
             return out;
         };
+        if (gpu->hasHalf())
+            half = [&](int model, int size, const std::vector<Evaluation>& inputs) {
+                std::vector<float> out;
+                for (const vec2& e : evaluateOnDevice(*gpu, model, size, inputs, true)) out.push_back(e.x);
+                return out;
+            };
     } catch (const Error& e) {
         std::fprintf(stderr, "apertura: no Vulkan device, its columns stay empty: %s\n", e.what());
     }
@@ -128,6 +145,7 @@ void run(const Arguments& a) {
     std::vector<SceneSteps> steps;
     std::vector<FailurePoint> map;
     std::vector<MixingError> mixing;
+    std::vector<HalfError> halves;
     std::vector<ModelReport> reports;
     {
         ProgressBar bar("sweeping");
@@ -150,7 +168,16 @@ void run(const Arguments& a) {
             for (const FailurePoint& point : failureMap(model, tools)) map.push_back(point);
             for (const MixingError& row : mixingErrors(model)) mixing.push_back(row);
             reports.push_back(report);
-            show(0.7 * double(m + 1) / double(asked.size()));
+            show(0.5 * double(m + 1) / double(asked.size()));
+        }
+        std::vector<Scene> halfScenes;
+        for (const char* name : kHalfScenes) halfScenes.push_back(makeBuiltin(name));
+        for (size_t m = 0; half && m < asked.size(); ++m) {
+            for (const HalfError& row : measureHalf(halfScenes, {asked[m]}, std::max(a.receivers / 2, 1), 256, a.seed, kHalfRadii, half)) {
+                halves.push_back(row);
+                reports[m].half = std::max(reports[m].half, row.notFinite ? 9.99 : row.rms);
+            }
+            show(0.5 + 0.3 * double(m + 1) / double(asked.size()));
         }
         const std::vector<std::string> scenes = builtinNames();
         for (size_t s = 0; s < scenes.size(); ++s) {
@@ -159,7 +186,7 @@ void run(const Arguments& a) {
                 for (ModelReport& report : reports)
                     if (report.model->name == step.model) report.sceneStep = std::max(report.sceneStep, step.step);
             }
-            show(0.7 + 0.3 * double(s + 1) / double(scenes.size()));
+            show(0.8 + 0.2 * double(s + 1) / double(scenes.size()));
         }
     }
     if (interrupted()) throw Cancelled{};
@@ -169,6 +196,7 @@ void run(const Arguments& a) {
     writeTextFile(a.out + "/counts.csv", countsCsv(reports));
     writeTextFile(a.out + "/decode.csv", decodeCsv());
     writeTextFile(a.out + "/mixing.csv", mixingCsv(mixing));
+    writeTextFile(a.out + "/half.csv", halfCsv(halves));
     print(reports);
     drawCharts(APERTURA_STABILITY_CHARTS, a.out, "the tables are there, the charts are not");
 }
@@ -179,7 +207,7 @@ void addStabilityCommand(CLI::App& program) {
     auto a = std::make_shared<Arguments>();
     CLI::App& command = *program.add_subcommand("stability", "where each model breaks: singular configurations, hostile numbers, flashes");
     command.footer(
-        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv, decode.csv, mixing.csv and charts of them. What was published, and the rivals, are marked as\n"
+        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv, decode.csv, mixing.csv, half.csv and charts of them. What was published, and the rivals, are marked as\n"
         "baselines: they stay as they are.\n"
         "Example: apertura stability -o stability");
     command.add_option("-o", a->out, "the folder for all of it; made where it is not there")->required()->type_name("DIR");

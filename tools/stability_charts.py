@@ -108,6 +108,12 @@ def main(folder):
           lambda r: min(float(r["step"]), 99), 2.5, 1.005)
     failure_map(folder, read(folder, "map.csv"))
     decode_chart(folder, read(folder, "decode.csv"))
+    halves = read(folder, "half.csv")
+    if halves:
+        for row in halves:
+            row["light"] = f"{float(row['light_radius_deg']):g}°"
+        table(folder, "half", "What 16-bit floats add: RMS of E / (L π sin²r)", halves, "light",
+              lambda r: 9.99 if int(r["not_finite"]) else float(r["rms"]), 0.02, 0.01)
     mixing = read(folder, "mixing.csv")
     if mixing:
         table(folder, "mixing", "How far the light of what is mixed leaves that of the ends", mixing, "between",

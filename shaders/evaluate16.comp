@@ -1,0 +1,46 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_shader_explicit_arithmetic_types_float16 : require
+// evaluate.comp in 16-bit floats: a receiver and a light come in 32 bits, as a processor made them, and everything that
+// depends on both is computed in 16.
+#include "half/models.glsl"
+
+// The same text once more in 32 bits, for what is made of a light alone.
+#undef APERTURA_CAP_GLSL
+#define CapLight WideLight
+#define PI WIDE_PI
+#define LIGHTS_ANY WIDE_ANY
+#define LIGHTS_MEDIUM WIDE_MEDIUM
+#define LIGHTS_SMALL WIDE_SMALL
+#define LIGHTS_SUN WIDE_SUN
+#include "cap.glsl"
+#undef CapLight
+#undef PI
+#undef LIGHTS_ANY
+#undef LIGHTS_MEDIUM
+#undef LIGHTS_SMALL
+#undef LIGHTS_SUN
+#include "evaluate.glsl"
+
+layout(constant_id = 0) const int model = MODEL_SOFT;
+layout(constant_id = 1) const int size = LIGHTS_ANY;
+layout(local_size_x = 64) in;
+layout(std430, set = 0, binding = 0) readonly buffer Inputs { Evaluation inputs[]; };
+layout(std430, set = 0, binding = 1) writeonly buffer Outputs { vec2 results[]; };  // light, sky
+
+float16_t narrow(float x) { return float16_t(clamp(x, -65504.0, 65504.0)); }
+f16vec4 narrow(vec4 v) { return f16vec4(clamp(v, vec4(-65504.0), vec4(65504.0))); }
+
+void main() {
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= inputs.length()) return;
+    Receiver receiver;
+    receiver.normal = f16vec3(narrow(inputs[i].normal));
+    receiver.visibility = narrow(inputs[i].visibility);
+    for (int k = 0; k < MAX_SLOTS; ++k) receiver.form[k] = narrow(inputs[i].form[k]);
+    WideLight wide = capLight(inputs[i].light.xyz, inputs[i].light.w);
+    CapLight light = CapLight(f16vec3(narrow(vec4(wide.axis, 0.0))), narrow(wide.sinRadius), narrow(wide.height), narrow(wide.area), narrow(wide.rim),
+                              narrow(wide.rimSlope), narrow(wide.angle), narrow(wide.inverseAngle), narrow(wide.inverseSin),
+                              narrow(wide.inverseHeight), narrow(wide.shrink), narrow(wide.spread));
+    results[i] = vec2(lightThrough(model, receiver, light, size), skyThrough(model, receiver));
+}
