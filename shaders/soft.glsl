@@ -26,9 +26,9 @@ struct DiscLaw {
     float through;   // and for the bulge, in squared heights
     float ends;      // of the line: 1 sharp; a disc's edges come in more softly
 };
-APERTURA_FN DiscLaw wholeDisc() { return DiscLaw(0.4917f, 0.4881f, 0.1569f, 0.6468f, 0.4279f, 0.9375f); }
+APERTURA_FN DiscLaw wholeDisc() { return DiscLaw(0.5084f, 0.5032f, 0.1667f, 0.6729f, 0.22f, 0.9365f); }
 // Of lobes under lights of medium size, a little softer: the edges of two may be one.
-APERTURA_FN DiscLaw mediumDisc() { return DiscLaw(0.5050f, 0.4684f, 0.1431f, 0.70f, 0.5582f, 0.9416f); }
+APERTURA_FN DiscLaw mediumDisc() { return DiscLaw(0.5084f, 0.5032f, 0.1667f, 0.70f, 0.22f, 0.9365f); }
 APERTURA_FN DiscLaw quarterDisc() { return DiscLaw(0.5677f, 0.3954f, 0.1008f, 0.74f, 0.2322f, 0.8493f); }
 
 // The mean of link(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
