@@ -329,8 +329,8 @@ TEST(Cli, StabilityLeavesTablesAndCharts) {
                               + (folder / "log") + " 2>&1";
     const int status = std::system(command.c_str());
     ASSERT_EQ(WEXITSTATUS(status), 0) << slurp(folder / "log");
-    for (const char* table : {"sweeps.csv", "scenes.csv", "map.csv", "counts.csv"}) EXPECT_GE(lines(slurp(out + "/" + table)), 3) << table;
-    for (const char* picture : {"sweep-errors.png", "sweep-steps.svg", "scene-steps.png", "failures.png"}) EXPECT_GT(slurp(out + "/" + picture).size(), 2000u) << picture;
+    for (const char* table : {"sweeps.csv", "scenes.csv", "map.csv", "counts.csv", "decode.csv", "mixing.csv", "half.csv"}) EXPECT_GE(lines(slurp(out + "/" + table)), 3) << table;
+    for (const char* picture : {"sweep-errors.png", "sweep-steps.svg", "scene-steps.png", "failures.png", "decode.png", "mixing.png", "half.png"}) EXPECT_GT(slurp(out + "/" + picture).size(), 2000u) << picture;
     expectRefusal("stability -o " + (folder / "other") + " --models clever", 2, "clever");
     expectRefusal("stability -o " + folder.write("file", "x") + "/deep", 1, "deep");
     EXPECT_FALSE(fs::exists(folder / "other"));

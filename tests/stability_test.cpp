@@ -99,7 +99,7 @@ TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
         for (const SceneSteps& s : measureSceneSteps(makeBuiltin(scene), asked, 6, 256, 1, {0.27, 1, 5, 15, 30}, {})) {
             if (s.baseline) continue;
             const bool caps = s.model == "aperture" || s.model == "alpha" || s.model == "anti";
-            EXPECT_LE(s.step, caps ? 1.02 : s.model == "cap-anti" ? 1.06 : s.model == "soft" ? 1.2 : 1.4) << scene << ", " << s.model << ", " << s.radius << " degrees";
+            EXPECT_LE(s.step, caps ? 1.002 : s.model == "soft" ? 1.03 : 1.05) << scene << ", " << s.model << ", " << s.radius << " degrees";
         }
 }
 
