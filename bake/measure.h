@@ -31,7 +31,7 @@ struct MeasureRow {
     double rmsTruth = 0;  // of the truth itself
     double noise = 0;     // of the truth's own sampling, as an rmse
     double ambient = 0;   // rmse of the irradiance from an even sky, over pi
-    // Light that the model lets through where truth is blocked throughout, of lights above the surface: the largest,
+    // Light that the model lets through where truth is blocked throughout, of lights 6 degrees and more above the surface: the largest,
     // and what one in a hundred exceeds. 0 where there are none.
     double leakMax = 0, leak99 = 0;
     std::vector<float> receiverRmse;  // of each receiver alone

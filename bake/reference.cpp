@@ -38,7 +38,7 @@ private:
     glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::dvec3& origin, const glm::vec3& normal,
                         uint64_t sample, size_t index) {
         const glm::mat3 frame = frameAbout(cap.axis, 2 * kPi * hashUnit(options_.seed, sample, 2 + index));
-        const float reach = light.place.w > 0 ? std::max(glm::length(vec3(light.place) - vec3(origin)) - light.shape.z, 0.0f) : kNoLimit;
+        const float reach = light.place.w > 0 ? std::max(float(glm::length(glm::dvec3(light.place) - origin)) - light.shape.z, 0.0f) : kNoLimit;
         rays_.clear();
         for (const glm::vec3& w : capLattice(options_.lightRays, cap.height))
             if (const glm::vec3 d = frame * w; glm::dot(d, normal) > 0) rays_.push_back(d);

@@ -19,7 +19,7 @@ namespace {
 using glm::dvec3;
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
-constexpr float kAboveOne = 0.01f;    // of the light overhead, that is let pass above the unblocked light
+constexpr float kAboveOne = 0.012f;   // of the light overhead, that is let pass above the unblocked light
 constexpr double kLeastShare = 1e-3;  // of the light, that an error is measured against
 const dvec3 kUp(0, 0, 1);
 

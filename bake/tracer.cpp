@@ -104,7 +104,8 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
     for (const Instance& instance : scene.instances) ++uses[instance.surface];
     struct Part {
         RTCScene scene = nullptr;
-        glm::vec3 middle{0};  // which is the origin of its rays
+        glm::vec3 middle{0};  // which is the origin of its rays,
+        double scale = 1;     // and its own size about 1
     };
     std::map<int, Part> part;
     for (unsigned i = 0; i < scene.instances.size(); ++i) {
@@ -118,12 +119,15 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
         Part& shared = place->second;
         if (isNew) {
             shared.middle = middleOf(surface);
+            double reach = 1e-300;
+            for (const glm::vec3& p : surface.positions) reach = std::max(reach, glm::length(glm::dvec3(p) - glm::dvec3(shared.middle)));
+            shared.scale = std::exp2(-std::ceil(std::log2(reach)));
             shared.scene = impl.newScene();
             impl.parts.push_back(shared.scene);
-            attach(impl.device, shared.scene, 0, surface, [&](const glm::vec3& p) { return glm::vec3(glm::dvec3(p) - glm::dvec3(shared.middle)); });
+            attach(impl.device, shared.scene, 0, surface, [&](const glm::vec3& p) { return glm::vec3((glm::dvec3(p) - glm::dvec3(shared.middle)) * shared.scale); });
             impl.commit(shared.scene, progress);
         }
-        glm::mat4 toRays(glm::dmat4(instance.toWorld) * impl.scale);
+        glm::mat4 toRays(glm::dmat4(instance.toWorld) * (impl.scale / shared.scale));
         toRays[3] = glm::vec4(impl.toRays(worldPosition(instance, shared.middle)), 1);
         RTCGeometry geometry = rtcNewGeometry(impl.device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, shared.scene);
@@ -215,8 +219,10 @@ std::optional<Hit> Tracer::nearest(const glm::dvec3& world, const glm::vec3& dir
                                    worldPosition(instance, surface.positions[t[2]])};
     const glm::dvec3 face = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     const glm::dvec3 front = normalMatrix(instance.toWorld) * (surface.normals[t[0]] + surface.normals[t[1]] + surface.normals[t[2]]);
-    const bool back = (glm::dot(face, glm::dvec3(direction)) > 0) == (glm::dot(face, front) > 0);
-    return Hit{world + distance * glm::dvec3(direction), length > 0 ? turned / length : -glm::normalize(direction), float(distance), back};
+    const double agree = glm::dot(face, front);
+    const bool wound = agree >= -1e-6 * glm::length(face) * glm::length(front);  // normals that lie in the face say nothing
+    const bool back = (glm::dot(face, glm::dvec3(direction)) > 0) == wound;
+    return Hit{world + distance * glm::dvec3(direction), length > 0 ? turned / length : -glm::normalize(direction), float(distance), back, instance.surface, int(query.hit.primID)};
 }
 
 }  // namespace apertura

@@ -21,6 +21,7 @@ struct Hit {
     glm::vec3 normal;     // world; the interpolated vertex normal, unit
     float distance;       // in lengths of the ray's direction
     bool back;            // the ray came from behind: from where its triangle's vertex normals point away
+    int surface, triangle;
 };
 
 // Rays are traced about the scene's middle and in its own size, so that a scene is the same to the last bit wherever
@@ -39,7 +40,7 @@ public:
     bool occluded(const glm::dvec3& origin, const glm::vec3& direction, float distance) const;
     std::optional<Hit> nearest(const glm::dvec3& origin, const glm::vec3& direction) const;
 
-    // Metres that a ray should start above the surface at `position`, so that it does not hit what it leaves: a few
+    // Metres that a ray should start above the surface at `position`, so that it does not hit what it leaves: 32
     // rounding steps of the largest number that an intersection there meets. `longest`: metres, the longest edge of
     // the triangles that meet there; where it is not known, as long as the scene.
     double offset(const glm::dvec3& position, double longest = 1e300) const;

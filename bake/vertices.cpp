@@ -3,8 +3,10 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <map>
 
 #include "bake/bake.h"
 #include "bake/watch.h"
@@ -23,9 +25,11 @@ constexpr double kSteep = 0.1;        // cosine, below which a normal hardly lea
 
 // What the triangles about one vertex say.
 struct Corner {
-    dvec3 faces{0};      // sum of their normals, by angle, on the side of the surface's normals
-    dvec3 within{0};     // sum of the directions to their middles
-    double longest = 0;  // edge, metres
+    int count = 0;         // of those that have an area
+    dvec3 faces{0};        // sum of their normals, by angle, on the side of their vertices' normals
+    dvec3 within{0};       // sum of the directions to their middles
+    double longest = 0;    // edge, metres
+    double middle = 1e300; // metres to the nearest of their middles
 };
 
 // One instance's triangles, in the world.
@@ -45,25 +49,20 @@ public:
         for (size_t v = 0; v < places_.size(); ++v) first_[v + 1] += first_[v];
         around_.resize(first_.back());
         std::vector<size_t> next(first_.begin(), first_.end() - 1);
-        double agree = 0;
-        for (size_t t = 0; t < surface_.triangles.size(); ++t) {
-            const auto& triangle = surface_.triangles[t];
-            for (uint32_t v : triangle) around_[next[v]++] = t;
-            const dvec3 normal = crossOf(t);
-            agree += glm::dot(normal, normals_[triangle[0]] + normals_[triangle[1]] + normals_[triangle[2]]);
-        }
-        // Its winding and a mirroring transform turn all faces alike: most of the normals say which side is out.
-        side_ = agree < 0 ? -1 : 1;
-        const bool mirrored = glm::determinant(glm::dmat3(instance.toWorld)) < 0;
-        inverted_ = (agree < 0) != mirrored;
+        for (size_t t = 0; t < surface_.triangles.size(); ++t)
+            for (uint32_t v : surface_.triangles[t]) around_[next[v]++] = t;
+        mirrored_ = glm::determinant(glm::dmat3(instance.toWorld)) < 0;
     }
 
     size_t size() const { return places_.size(); }
     bool used(size_t v) const { return first_[v + 1] > first_[v]; }
     const dvec3& place(size_t v) const { return places_[v]; }
     const dvec3& normal(size_t v) const { return normals_[v]; }
-    bool inverted() const { return inverted_; }
-    size_t triangles() const { return surface_.triangles.size(); }
+    size_t inverted() const {  // triangles wound against their vertices' normals; mirroring turns a winding
+        size_t n = 0;
+        for (size_t t = 0; t < surface_.triangles.size(); ++t) n += hasArea(t) && (sideOf(t) < 0) != mirrored_;
+        return n;
+    }
     size_t degenerate() const {
         size_t n = 0;
         for (size_t t = 0; t < surface_.triangles.size(); ++t) n += !hasArea(t);
@@ -78,7 +77,9 @@ public:
             if (!hasArea(t)) continue;
             const auto [a, b] = edges(t, v);
             const dvec3 n = glm::cross(a, b);
-            out.faces += side_ * glm::normalize(n) * std::atan2(glm::length(n), glm::dot(a, b));
+            ++out.count;
+            out.middle = std::min(out.middle, glm::length(a + b) / 3);
+            out.faces += sideOf(t) * glm::normalize(n) * std::atan2(glm::length(n), glm::dot(a, b));
             out.within += glm::normalize(a + b);
         }
         return out;
@@ -89,7 +90,7 @@ public:
         std::pair<double, double> out{1, -1};
         for (size_t i = first_[v]; i < first_[v + 1]; ++i)
             if (hasArea(around_[i])) {
-                const double c = side_ * glm::dot(glm::normalize(crossOf(around_[i])), direction);
+                const double c = sideOf(around_[i]) * glm::dot(glm::normalize(crossOf(around_[i])), direction);
                 out = {std::min(out.first, c), std::max(out.second, c)};
             }
         return out;
@@ -113,6 +114,11 @@ private:
         const auto& i = surface_.triangles[t];
         return glm::cross(places_[i[1]] - places_[i[0]], places_[i[2]] - places_[i[0]]);
     }
+    // On which side of its winding a triangle's vertex normals point; where they lie in it, its winding counts.
+    double sideOf(size_t t) const {
+        const auto& i = surface_.triangles[t];
+        return glm::dot(crossOf(t), normals_[i[0]] + normals_[i[1]] + normals_[i[2]]) < 0 ? -1 : 1;
+    }
     double longest(size_t t) const {
         const auto& i = surface_.triangles[t];
         return std::max({glm::distance(places_[i[0]], places_[i[1]]), glm::distance(places_[i[1]], places_[i[2]]), glm::distance(places_[i[2]], places_[i[0]])});
@@ -128,35 +134,60 @@ private:
     const Surface& surface_;
     std::vector<dvec3> places_, normals_;
     std::vector<size_t> first_, around_;  // triangles about each vertex
-    double side_ = 1;
-    bool inverted_ = false;
+    bool mirrored_ = false;
 };
 
+// The triangles of each surface that nothing is behind of: of two-sided materials, or with a twin that faces the other way.
+using Open = std::vector<std::vector<bool>>;
+Open twoSided(const Scene& scene) {
+    Open out;
+    for (const Surface& surface : scene.surfaces) {
+        std::vector<bool> open(surface.triangles.size(), surface.twoSided);
+        using Place = std::array<float, 3>;
+        std::map<std::array<Place, 3>, std::pair<size_t, bool>> seen;  // by sorted corners: a triangle, and whether sorting turned it
+        for (size_t t = 0; t < open.size() && !surface.twoSided; ++t) {
+            std::array<Place, 3> corners;
+            for (int k = 0; k < 3; ++k) {
+                const glm::vec3& p = surface.positions[surface.triangles[t][k]];
+                corners[k] = {p.x, p.y, p.z};
+            }
+            std::array<Place, 3> sorted = corners;
+            std::sort(sorted.begin(), sorted.end());
+            const auto first = std::find(corners.begin(), corners.end(), sorted[0]) - corners.begin();
+            const bool turned = corners[(first + 1) % 3] != sorted[1];
+            const auto [place, isNew] = seen.try_emplace(sorted, t, turned);
+            if (!isNew && place->second.second != turned) open[t] = open[place->second.first] = true;
+        }
+        out.push_back(std::move(open));
+    }
+    return out;
+}
+
 // How many of a few rays from a point see the back of a face.
-int backsSeen(const Tracer& tracer, const SurfacePoint& point, double spin) {
+int backsSeen(const Tracer& tracer, const Open& open, const SurfacePoint& point, double spin) {
     static const std::vector<glm::vec3> probes = hemisphereLattice(kProbes);
     const glm::mat3 frame = frameAbout(point.normal, spin);
     int backs = 0;
     for (const glm::vec3& w : probes) {
         const glm::vec3 direction = frame * w;
         const std::optional<Hit> hit = tracer.nearest(rayOrigin(tracer, point), direction);
-        backs += hit && hit->back;
+        backs += hit && hit->back && !open[hit->surface][hit->triangle];
     }
     return backs;
 }
 
-// Whether the way from one point to another leads out through the back of a face: a floor behind a one-sided wall
-// sees backs too, and is not inside of anything.
-bool comesOut(const Tracer& tracer, const SurfacePoint& from, const SurfacePoint& to) {
+// Whether the way from one point to another leads out through the back of a face. Faces are taken for the skins of
+// solids: a ground that goes on behind a one-sided wall counts as inside of it where its triangles cross it.
+bool comesOut(const Tracer& tracer, const Open& open, const SurfacePoint& from, const SurfacePoint& to) {
     const dvec3 start = rayOrigin(tracer, from);
     const std::optional<Hit> hit = tracer.nearest(start, glm::vec3(rayOrigin(tracer, to) - start));
-    return hit && hit->distance < 1 && hit->back;
+    return hit && hit->distance < 1 && hit->back && !open[hit->surface][hit->triangle];
 }
 
 // A vertex whose normal points behind all of its faces looks out on their side.
 dvec3 outward(const Mesh& mesh, size_t v, const Corner& corner, bool& against) {
     const auto [least, most] = mesh.cosines(v, mesh.normal(v));
-    against = most > -1 && most < -1e-3 && glm::length(corner.faces) > 1e-6;
+    against = corner.count > 0 && most < -1e-3 && glm::length(corner.faces) > 1e-6;
     return against ? glm::normalize(corner.faces) : mesh.normal(v);
 }
 
@@ -167,9 +198,11 @@ SurfacePoint nextTo(const Mesh& mesh, const Tracer& tracer, size_t v, const Corn
         const dvec3 other = glm::normalize(corner.faces);
         if (mesh.cosines(v, other).first > least) up = other;
     }
-    dvec3 within = corner.within - glm::dot(corner.within, up) * up;
-    within /= std::max(glm::length(within), 1.0);
     const double step = tracer.offset(mesh.place(v), corner.longest);
+    dvec3 within = corner.within - glm::dot(corner.within, up) * up;
+    within *= std::min(1.0, 0.25 * corner.middle / step) / std::max(glm::length(within), 1.0);
+    // Faces that rise towards their middles leave less room for it.
+    for (int halved = 0; halved < 6 && mesh.cosines(v, up + within).first < kSteep; ++halved) within *= halved < 5 ? 0.5 : 0.0;
     return {mesh.place(v) + step * (up - normal + within), glm::vec3(normal), corner.longest};
 }
 
@@ -193,12 +226,13 @@ VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progr
     VertexPoints out;
     Doubts sum;
     size_t all = 0;
+    const Open open = twoSided(scene);
     for (const Instance& instance : scene.instances) all += scene.surfaces[instance.surface].positions.size();
     Watch watch(progress, all);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Mesh mesh(scene, scene.instances[i]);
         sum.degenerate += mesh.degenerate();
-        if (mesh.inverted()) sum.inverted += mesh.triangles();
+        sum.inverted += mesh.inverted();
         std::vector<size_t> vertices;
         for (size_t v = 0; v < mesh.size(); ++v)
             if (mesh.used(v)) vertices.push_back(v);
@@ -212,15 +246,15 @@ VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progr
                 bool against = false;
                 const dvec3 normal = outward(mesh, v, corner, against);
                 againstFaces += against;
-                withoutFaces += corner.faces == dvec3(0);
+                withoutFaces += corner.count == 0;
                 points[k] = nextTo(mesh, tracer, v, corner, normal);
                 const double spin = 6.283185307179586 * hashUnit(0, i, v);
-                const int backs = backsSeen(tracer, points[k], spin);
+                const int backs = backsSeen(tracer, open, points[k], spin);
                 if (backs < kSuspicious) continue;
                 bool found = false;
                 for (const dvec3& other : mesh.others(v)) {
                     const SurfacePoint candidate{other, glm::vec3(normal), corner.longest};
-                    if (!comesOut(tracer, points[k], candidate) || backsSeen(tracer, candidate, spin) > kBetter * backs) continue;
+                    if (!comesOut(tracer, open, points[k], candidate) || backsSeen(tracer, open, candidate, spin) > kBetter * backs) continue;
                     points[k] = candidate;
                     found = true;
                     break;

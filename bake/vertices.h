@@ -24,7 +24,7 @@ inline glm::dvec3 rayOrigin(const Tracer& tracer, const SurfacePoint& point) {
 struct Doubts {
     size_t degenerate = 0;    // triangles of no area: they block nothing
     size_t withoutFaces = 0;  // vertices of those alone: they look along the normal that the file has, or +Y
-    size_t inverted = 0;      // triangles wound against their vertices' normals, most of a surface: the normals are believed
+    size_t inverted = 0;      // triangles wound against their vertices' normals: the normals are believed
     size_t against = 0;       // vertices whose normal points behind all of their faces: they look out on the faces' side
     size_t moved = 0;         // vertices inside something else: they look from the nearest point of their triangles outside
     size_t buried = 0;        // vertices that see backs of faces, and no better from their triangles: they stay as they are

@@ -19,7 +19,7 @@ struct BakeInfo {
     int bits = 8;              // a component
     uint32_t seed = 1;
     double maxDistance = 0;    // metres, 0 for no limit
-    double rayOffset = 0;      // metres that rays start above the surface
+    double rayOffset = 0;      // metres that rays start above the surface, at most
     std::string hemisphere = "vertex normal";
 };
 

@@ -278,6 +278,7 @@ Surface readPrimitive(const Model& model, const tinygltf::Primitive& primitive, 
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     const auto position = primitive.attributes.find("POSITION");
     if (mode < TINYGLTF_MODE_TRIANGLES || position == primitive.attributes.end()) return surface;
+    if (primitive.material >= 0 && size_t(primitive.material) < model.materials.size()) surface.twoSided = model.materials[size_t(primitive.material)].doubleSided;
     surface.positions = readVectors(model, position->second, path);
     std::vector<uint32_t> indices;
     if (primitive.indices >= 0) {

@@ -33,8 +33,10 @@ glm::mat3 normalMatrix(const glm::mat4& m) {
     const glm::dmat3 linear(m);
     const double det = glm::determinant(linear);
     if (!(std::abs(det) > 1e-300)) return rotationPart(m);
-    const glm::dmat3 cofactor = glm::transpose(glm::inverse(linear)) * std::abs(det);
-    return glm::mat3(cofactor);
+    const glm::dmat3 cofactor = glm::transpose(glm::inverse(linear));
+    double largest = 0;  // made 1: floats do not hold the squares of all scales
+    for (int c = 0; c < 3; ++c) largest = std::max(largest, glm::length(cofactor[c]));
+    return glm::mat3(cofactor / largest);
 }
 
 Box worldBounds(const Scene& scene) {

@@ -18,6 +18,7 @@ struct Surface {
     std::vector<glm::vec3> normals;    // unit, one a position
     std::vector<std::array<uint32_t, 3>> triangles;
     bool normalsMade = false;  // the file had none
+    bool twoSided = false;     // its material is seen from both sides: nothing is inside of it
     bool receives = true;      // `compare` spreads its receivers over it
 };
 

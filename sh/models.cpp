@@ -42,10 +42,12 @@ Form capAndAnti(const Visibility& any, const vec3& normal) {
             vec4(vec2(cap.size), vec2(anti.size))};
 }
 
-// A lobe's edge no harder than a sun's is wide: a point-like light would step over a harder one.
+// A lobe's edge no harder than a sun's is wide: a point-like light would step over a harder one. And none that reaches
+// numbers anywhere on the sphere whose squares 16 bits do not hold.
 vec4 softened(const vec4& lobe) {
-    constexpr float kSharpest = 240;
-    return lobe * std::min(1.0f, kSharpest / std::max(length(vec3(lobe)), 1e-6f));
+    constexpr float kSharpest = 240, kFarthest = 250;
+    const float sharp = length(vec3(lobe));
+    return lobe * std::min({1.0f, kSharpest / std::max(sharp, 1e-6f), kFarthest / std::max(sharp + std::abs(lobe.w), 1e-6f)});
 }
 
 Form oneLobe(const Visibility& v, const vec3& normal) {

@@ -93,6 +93,9 @@ APERTURA_FN Overlap overlapOf(float distance, float height, vec3 apertureSize, C
     return o;
 }
 
+// Of the light's solid angle, what is inside.
+APERTURA_FN float shareOfLight(Overlap o, float height, CapLight light) { return o.share * min(height * light.inverseHeight, 1.0f); }
+
 // The cosine to the normal of the overlap's centroid, from those of the aperture's axis and the light's: it lies
 // on the way t from the one to the other.
 APERTURA_FN float centroidCosine(Overlap o, float na, float nl, vec3 apertureSize, CapLight light, int size) {
@@ -107,7 +110,7 @@ APERTURA_FN float centroidCosine(Overlap o, float na, float nl, vec3 apertureSiz
 // and 0.035 max of the light's own E, for light radii 0.27..45 degrees.
 APERTURA_FN float lightThroughAperture(vec3 normal, Aperture aperture, CapLight light, int size) {
     Overlap o = overlapOf(distanceOf(aperture.axis, light.axis), aperture.height, aperture.size, light, size);
-    if (size >= LIGHTS_SMALL) return lightOnSurface(normal, light, size) * o.share * min(aperture.height * light.inverseHeight, 1.0f);
+    if (size >= LIGHTS_SMALL) return lightOnSurface(normal, light, size) * shareOfLight(o, aperture.height, light);
     float H = o.share * min(aperture.height, light.height);
     float z = centroidCosine(o, dot(normal, aperture.axis), dot(normal, light.axis), aperture.size, light, size);
     float s2 = H * (2.0f - H);
@@ -117,9 +120,13 @@ APERTURA_FN float lightThroughAperture(vec3 normal, Aperture aperture, CapLight 
     return size == LIGHTS_MEDIUM ? e : min(e, lightAboveHorizon(normal, light));
 }
 
-// The share of a light's E inside an aperture; of a light up to 10 degrees it is lit as if by all of the light.
+// The share of a light's E inside an aperture. Of a light up to 10 degrees it is the share of its solid angle: that its
+// open part lies higher or lower above the horizon than its middle is left out.
 APERTURA_FN float shareThroughAperture(vec3 normal, Aperture aperture, CapLight light, int size) {
-    if (size != LIGHTS_ANY) return overlapOf(distanceOf(aperture.axis, light.axis), aperture.height, aperture.size, light, size).share * min(aperture.height * light.inverseHeight, 1.0f);
+    if (size != LIGHTS_ANY) {
+        Overlap o = overlapOf(distanceOf(aperture.axis, light.axis), aperture.height, aperture.size, light, size);
+        return shareOfLight(o, aperture.height, light);
+    }
     return clamp(lightThroughAperture(normal, aperture, light, size) / max(lightAboveHorizon(normal, light), 1e-12f), 0.0f, 1.0f);
 }
 
@@ -140,10 +147,10 @@ APERTURA_FN float apertureShare(vec3 normal, Aperture aperture, CapLight light, 
         float z = centroidCosine(o, side * dot(normal, aperture.axis), nl, aperture.size, light, size);
         float open = horizonCosine(nl, light.rim, light.rimSlope);
         float seen = horizonCosine(z, light.rim, light.rimSlope);
-        share = clamp(o.share * min(height * light.inverseHeight, 1.0f) * seen / max(open, 1e-6f), 0.0f, 1.0f);
+        share = clamp(shareOfLight(o, height, light) * seen / max(open, 1e-6f), 0.0f, 1.0f);
     } else {
         Aperture cap = Aperture(large ? -aperture.axis : aperture.axis, height, aperture.size);
-        share = clamp(lightThroughAperture(normal, cap, light, size) / max(lightAboveHorizon(normal, light), 1e-12f), 0.0f, 1.0f);
+        share = shareThroughAperture(normal, cap, light, size);
     }
     return large ? 1.0f - share : share;
 }

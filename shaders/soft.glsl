@@ -12,10 +12,7 @@ struct SoftAperture {
     float offset;
 };
 
-APERTURA_FN float link(float any) {
-    float f = clamp(any, -1e6f, 1e6f);  // whose square is a number, in 16 bits too: see narrow.cmake
-    return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f);
-}
+APERTURA_FN float link(float f) { return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f); }
 
 // How a plane is averaged over a cap light: constants fitted to the integral, with a price on steps that no light makes.
 struct DiscLaw {
@@ -58,8 +55,9 @@ APERTURA_FN float lobeAt(SoftAperture lobe, CapLight light) { return link(lobe.o
 // edge can sweep: half as broad would be nearer to the integral, and step.
 APERTURA_FN float lobeOverMedium(SoftAperture lobe, CapLight light) {
     float along = dot(lobe.slope, light.axis);
-    float f = clamp(lobe.offset + along * light.shrink, -1e6f, 1e6f);
-    return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f + light.spread * max(dot(lobe.slope, lobe.slope) - along * along, 0.0f));
+    float f = lobe.offset + along * light.shrink;
+    float across = light.spread * max(dot(lobe.slope, lobe.slope) - along * along, 0.0f);
+    return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f + across);
 }
 
 // E of a cap light through a soft aperture, cut by the receiver's horizon. Of the model's own integral over

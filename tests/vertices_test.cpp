@@ -183,6 +183,75 @@ TEST(Vertices, NormalBehindItsFacesLooksOutOnTheirSide) {
     for (size_t v = 0; v < bad.normals.size(); v += 50) EXPECT_NEAR(baked.open()[v], straight[v], 0.05);
 }
 
+TEST(Vertices, AMinorityWoundTheOtherWayIsBelievedToo) {
+    Surface two;
+    const auto one = [](const glm::dvec3&) { return 1.0; };
+    addBlob(two, {0, 0, 0}, 32, one);
+    const size_t first = two.triangles.size();
+    addBlob(two, {5, 0, 0}, 16, one);
+    for (size_t t = first; t < two.triangles.size(); ++t) std::swap(two.triangles[t][1], two.triangles[t][2]);
+    const Baked baked = bake(sceneOf({two}));
+    EXPECT_EQ(baked.doubts.inverted, two.triangles.size() - first);
+    EXPECT_EQ(baked.doubts.against + baked.doubts.buried + baked.doubts.moved, 0u);
+    for (const double open : baked.open()) EXPECT_GT(open, 0.9);
+}
+
+TEST(Vertices, SteepSheetsWithUprightNormalsAreNotInsideThemselves) {
+    for (const double slope : {0.5, 1.5, 3.0}) {
+        Surface sheet = panel({-1, -slope, 1}, {2, 2 * slope, 0}, {0, 0, -2}, 0.25);
+        for (glm::vec3& n : sheet.normals) n = glm::vec3(0, 1, 0);
+        const Baked baked = bake(sceneOf({sheet}));
+        EXPECT_EQ(baked.doubts.moved + baked.doubts.buried + baked.doubts.against, 0u) << slope;
+        const double expected = 1 - std::atan(slope) / kPi;  // what rises of the sheet is a lune of the hemisphere
+        for (const double open : baked.open()) {
+            EXPECT_GE(open, expected - 0.03) << slope;
+            EXPECT_LE(open, 1.0001) << slope;
+        }
+    }
+}
+
+TEST(Vertices, AGroundUnderAWallOfTwoSheetsKeepsToItsSide) {
+    // Its triangles cross the wall; a vertex 0.1 m from it looks out on its own side.
+    const Surface ground = panel({-6, 0, 6}, {12, 0, 0}, {0, 0, -12}, 1);
+    Surface wall = panel({0.1, 0, -30}, {0, 30, 0}, {0, 0, 60}, 60);
+    const auto n = uint32_t(wall.positions.size());
+    const Surface front = wall;
+    for (size_t v = 0; v < n; ++v) wall.positions.push_back(front.positions[v]), wall.normals.push_back(-front.normals[v]);
+    for (const auto& t : front.triangles) wall.triangles.push_back({t[0] + n, t[2] + n, t[1] + n});
+    for (const bool flagged : {false, true}) {
+        Surface sheet = flagged ? front : wall;
+        sheet.twoSided = flagged;
+        const Baked baked = bake(sceneOf({ground, sheet}));
+        EXPECT_EQ(baked.doubts.moved, 0u) << flagged;
+        for (size_t v = 0; v < ground.positions.size(); ++v)
+            if (std::abs(ground.positions[v].x) < 0.01f && std::abs(ground.positions[v].z) < 5) {
+                EXPECT_LT(baked.visibility[0].visibility[v].direction.x, 0) << flagged;
+            }
+    }
+}
+
+TEST(Vertices, FacesBothWaysBetweenSharedVerticesAreFaces) {
+    Surface both = panel({0, 0, 0}, {1, 0, 0}, {0, 0, -1}, 1);
+    const auto triangles = both.triangles;
+    for (const auto& t : triangles) both.triangles.push_back({t[0], t[2], t[1]});
+    const Baked baked = bake(sceneOf({both}));
+    EXPECT_EQ(baked.doubts.withoutFaces, 0u);
+    EXPECT_EQ(baked.doubts.degenerate, 0u);
+}
+
+TEST(Vertices, InstancesOfTinyNumbersUnderLargeScalesBlock) {
+    for (const double tiny : {1e-12, 1e-20, 1e-25}) {
+        Surface wall = panel({0, 0, -tiny}, {0, tiny, 0}, {0, 0, 2 * tiny}, tiny);
+        Scene scene = sceneOf({wall, panel({0.01, 0, 0.5}, {1, 0, 0}, {0, 0, -1}, 0.25)});
+        scene.instances[0].toWorld = glm::scale(glm::mat4(1), glm::vec3(float(1 / tiny)));
+        scene.instances.push_back({0, glm::translate(glm::mat4(1), glm::vec3(-2, 0, 0)) * scene.instances[0].toWorld});
+        const Baked baked = bake(scene);
+        double least = 1;
+        for (const double open : baked.open(1)) least = std::min(least, open);
+        EXPECT_LT(least, 0.6) << tiny;
+    }
+}
+
 TEST(Vertices, PointInsideAClosedSolidIsCountedAndClosed) {
     Surface inner;
     addBlob(inner, {0, 0, 0}, 16, [](const glm::dvec3&) { return 0.3; });
