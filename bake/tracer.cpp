@@ -111,6 +111,7 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
     for (unsigned i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
         const Surface& surface = scene.surfaces[instance.surface];
+        if (surface.triangles.empty()) continue;
         if (uses[instance.surface] == 1) {
             attach(impl.device, impl.top, i, surface, [&](const glm::vec3& p) { return impl.toRays(worldPosition(instance, p)); });
             continue;

@@ -241,7 +241,8 @@ TEST(Vertices, FacesBothWaysBetweenSharedVerticesAreFaces) {
 
 TEST(Vertices, InstancesOfTinyNumbersUnderLargeScalesBlock) {
     for (const double tiny : {1e-12, 1e-20, 1e-25}) {
-        Surface wall = panel({0, 0, -tiny}, {0, tiny, 0}, {0, 0, 2 * tiny}, tiny);
+        Surface wall = panel({0, 0, -1}, {0, 1, 0}, {0, 0, 2}, 1);
+        for (glm::vec3& p : wall.positions) p *= float(tiny);
         Scene scene = sceneOf({wall, panel({0.01, 0, 0.5}, {1, 0, 0}, {0, 0, -1}, 0.25)});
         scene.instances[0].toWorld = glm::scale(glm::mat4(1), glm::vec3(float(1 / tiny)));
         scene.instances.push_back({0, glm::translate(glm::mat4(1), glm::vec3(-2, 0, 0)) * scene.instances[0].toWorld});
