@@ -20,10 +20,15 @@ DecodeError worstOf(int bits, double open, double capness) {
     const PackingError bound = packingError(bits);
     const double area = 2 * kPi * open, offAxis = capness * (1 - area / (4 * kPi));  // |D / A|
     DecodeError out{bits, open, capness, 0, std::asin(std::min(bound.direction / std::max(offAxis, 1e-9), 1.0)) / kDegree, 0, bound.radius / kDegree};
+    for (int i = 0; i <= 400; ++i) {  // areas about it: what one rounds to is chance
+        const double near = std::min(open * (0.9 + 0.2 * i / 400), 1.0);
+        const Visibility v{{}, float(2 * kPi * near)};
+        const Visibility back = bits == 8 ? unpack(pack8(v)) : unpack(pack16(v));
+        out.radius = std::max(out.radius, std::abs(radiusOf(back.area / (2 * kPi)) - radiusOf(near)) / kDegree);
+    }
     for (const glm::vec3& w : capLattice(1500, 2)) {
         const Visibility v{float(area * offAxis) * w, float(area)};
         const Visibility back = bits == 8 ? unpack(pack8(v)) : unpack(pack16(v));
-        out.radius = std::max(out.radius, std::abs(radiusOf(back.area / (2 * kPi)) - radiusOf(open)) / kDegree);
         const double length = glm::length(dvec3(back.direction));
         if (back.area <= 0) continue;  // closed: it has no axis
         const double cosine = length > 0 ? glm::dot(dvec3(back.direction), dvec3(w)) / length : 0;

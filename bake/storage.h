@@ -8,7 +8,7 @@
 
 namespace apertura {
 
-// The worst that bytes do to visibility of one kind, over many directions.
+// The worst that bytes do to visibility of one kind, over many directions, and of the radius over areas within a tenth.
 struct DecodeError {
     int bits;          // a component, 8 or 16
     double open;       // A / 2 pi, 0..1

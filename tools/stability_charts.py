@@ -88,7 +88,7 @@ def decode_chart(folder, rows):
     for axes, what in zip(grid, ("axis", "radius")):
         axes.set(xscale="log", yscale="log", xlabel="open, of the hemisphere", ylabel=f"largest error of the {what}, degrees")
         axes.set_title(f"{what}; dotted: the bound", fontsize=8, loc="left")
-        axes.legend(fontsize=6)
+        axes.legend(fontsize=5.5, ncol=2, loc="center")
         axes.grid(alpha=0.3)
     figure.savefig(folder / "decode.png", dpi=130)
     plt.close(figure)
