@@ -218,7 +218,7 @@ std::vector<std::string> describe(const Doubts& d) {
     say("triangles wound against their surface's normals", d.inverted, "the normals are believed");
     say("vertices with normals behind all of their faces", d.against, "baked on the faces' side");
     say("vertices inside other geometry", d.moved, "baked from the nearest point outside on their triangles");
-    say("vertices that see backs of faces", d.buried, "inside solids, behind one-sided walls, or faces inside out: baked as they are");
+    say("vertices that see backs of faces", d.buried, "baked as they are: right inside solids; where they show as dark spots, faces are one-sided or inside out");
     return out;
 }
 

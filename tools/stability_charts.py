@@ -37,7 +37,7 @@ def table(folder, stem, title, rows, columns, value, top, good):
     axes.imshow(grid, cmap="YlOrRd", vmin=0, vmax=top, aspect="auto")
     for y, line in enumerate(grid):
         for x, v in enumerate(line):
-            axes.text(x, y, f"{v:.2f}" if v >= 0.1 else f"{v:.3f}", ha="center", va="center", fontsize=6,
+            axes.text(x, y, ("NaN" if v >= 1e6 else ">10" if v > 10 else f"{v:.2f}" if v >= 0.1 else f"{v:.3f}"), ha="center", va="center", fontsize=6,
                       weight="normal" if v <= good else "bold", color="white" if v > 0.7 * top else "black")
     axes.set_xticks(range(len(names)), names, rotation=40, ha="right")
     axes.set_yticks(range(len(models)), models)
@@ -97,7 +97,7 @@ def decode_chart(folder, rows):
 def main(folder):
     sweeps = read(folder, "sweeps.csv")
     table(folder, "sweep-errors", "Largest error in shares of the smaller of light and opening; bold: over 0.015", sweeps, "sweep",
-          lambda r: 9.99 if int(r["not_finite"]) else min(float(r["error"]), 9.99), 0.5, 0.015)
+          lambda r: 1e9 if int(r["not_finite"]) else float(r["error"]), 0.5, 0.015)
     moving = [r for r in sweeps if float(r["exact_step"]) > 0.01]
     table(folder, "sweep-steps", "Largest step between frames as a multiple of the exact one; bold: over 1.3", moving, "sweep",
           lambda r: float(r["step"]) / float(r["exact_step"]), 2.5, 1.3)
