@@ -88,7 +88,7 @@ APERTURA_FN Overlap overlapOf(float distance, float height, vec3 apertureSize, C
     float k = min(R * light.inverseAngle, r * inverseR);
     float larger = size != LIGHTS_ANY ? height : max(height, light.height);
     float middle = x - x * x;
-    float bulge = k * (0.2736f * larger - 0.2736f - 0.1778f * k) + (0.545f - 0.6f * middle - 0.1141f * k) * (2.0f * x - 1.0f);
+    float bulge = k * (0.2736f * larger - 0.2736f - 0.1778f * k) + (0.573f - 0.71f * middle - 0.153f * k) * (2.0f * x - 1.0f);
     o.share = clamp(x + middle * bulge, 0.0f, 1.0f);
     return o;
 }
