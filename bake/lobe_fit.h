@@ -7,7 +7,7 @@
 
 namespace apertura {
 
-// V(w) = the product of link(offset + dot(slope, w)), or what that leaves of 1. See lobesTogether in models.glsl.
+// V(w) = the product of link(offset + dot(slope, w)), or what that leaves of 1. See lobesTogether in shaders/several.glsl.
 struct LobeFit {
     glm::vec4 lobes[4]{};  // slope, offset, about +Z as the lattice
     int count = 0;

@@ -98,7 +98,7 @@ const Model* findModel(std::string_view name) {
 
 namespace {
 
-// Stored lobes softened, and the sizes of stored caps in the slots behind them where models.glsl looks for them.
+// Stored lobes softened, and the sizes of stored caps in the slots behind them where several.glsl looks for them.
 Form ready(const Model& model, Form form) {
     for (int k = 0; k < model.storedFields && model.stored[size_t(k)] == Lobe; ++k) form[size_t(k)] = softened(form[size_t(k)]);
     int caps = 0;

@@ -155,13 +155,8 @@ APERTURA_FN float apertureShare(vec3 normal, Aperture aperture, CapLight light, 
     return large ? 1.0f - share : share;
 }
 
-// The edgeShare of two caps' rims. `between`, `al`, `bl`: the cosines between their axes, and from each to the light's.
-APERTURA_FN float rimsOver(float between, float al, float bl, CapLight light, int size) {
-    float inverse = inversesqrt(max((1.0f - al * al) * (1.0f - bl * bl), 1e-12f));
-    float w = edgeShare(clamp((between - al * bl) * inverse, -1.0f, 1.0f));
-    // Less where they bend within the light.
-    return size >= LIGHTS_SMALL ? w : w / (1.0f + 0.15f * light.sinRadius * light.sinRadius * inverse);
-}
+// 1 over the deviation of an aperture's plane across a light. `along`: the cosine between their axes.
+APERTURA_FN float rimOver(float along, CapLight light) { return inversesqrt(max(covariance(1.0f, along, along, light), 1e-12f)); }
 
 // E of a cap light through the intersection of two apertures or, where `inverse` is 1, through what it
 // leaves. A cap less an anti-cap is one with a large cap, its complement; two caps are what two large ones
@@ -170,7 +165,10 @@ APERTURA_FN float rimsOver(float between, float al, float bl, CapLight light, in
 APERTURA_FN float lightThroughTwoCaps(vec3 normal, Aperture a, Aperture b, float between, float inverse, CapLight light, int size) {
     float p = apertureShare(normal, a, light, size);
     float q = apertureShare(normal, b, light, size);
-    float both = meanOfTwo(p, q, rimsOver(between, dot(a.axis, light.axis), dot(b.axis, light.axis), light, size));
+    float alongA = dot(a.axis, light.axis);
+    float alongB = dot(b.axis, light.axis);
+    float correlation = covariance(between, alongA, alongB, light) * rimOver(alongA, light) * rimOver(alongB, light);
+    float both = meanOfTwo(p, q, edgeShare(correlation));
     return lightOnSurface(normal, light, size) * (inverse > 0.5f ? 1.0f - both : both);
 }
 

@@ -11,6 +11,14 @@
 
 const float PI = 3.14159265358979f;
 
+// A tangent to `normal`: Duff et al., "Building an Orthonormal Basis, Revisited",
+// 2017. The second tangent is cross(normal, tangent).
+APERTURA_FN vec3 tangentTo(vec3 normal) {
+    float side = normal.z < 0.0f ? -1.0f : 1.0f;
+    float a = -1.0f / (side + normal.z);
+    return vec3(1.0f + side * normal.x * normal.x * a, side * normal.x * normal.y * a, -side * normal.x);
+}
+
 // A light of uniform radiance that fills the cap {w : dot(w, axis) >= cos(radius)}, radius <= pi/2, with what
 // the formulas need of its size: made once a light by capLight, not once a pixel.
 struct CapLight {
@@ -26,6 +34,7 @@ struct CapLight {
     float inverseHeight;  // 1 over height
     float shrink;         // see lobeOverMedium (soft.glsl)
     float spread;         // see lobeOverMedium
+    float around;         // see covariance (edges.glsl)
 };
 
 // A cap's height 1 - cos(radius) from sin(radius), for radii up to pi/2, without cancellation.
@@ -51,8 +60,10 @@ APERTURA_FN CapLight capLight(vec3 towards, float sinRadius) {
     float height = heightFromSin(sinRadius);
     float angle = pseudoAngle(height);
     vec2 rim = rimOf(sinRadius);
+    float bulge = height / max(sinRadius, 1e-9f);
     return CapLight(axis, sinRadius, height, PI * sinRadius * sinRadius, rim.x, rim.y, angle, 1.0f / max(angle, 1e-9f),
-                    1.0f / max(sinRadius, 1e-9f), 1.0f / max(height, 1e-18f), 1.0f - 0.346f * height, 0.62f * sinRadius * sinRadius);
+                    1.0f / max(sinRadius, 1e-9f), 1.0f / max(height, 1e-18f), 1.0f - 0.346f * height, 0.62f * sinRadius * sinRadius,
+                    1.0f - 0.3333f * bulge * bulge);
 }
 
 // The light of a sphere of `radius` metres whose centre lies `toCentre` metres from the receiver.

@@ -4,11 +4,19 @@
 #define APERTURA_EDGES_GLSL
 #include "cap.glsl"
 
-// How far two edges coincide, as a light sees them, from the cosine between their gradients across it: 1 they are one,
+// The covariance over a light's directions w of dot(a, w) and dot(b, w), in quarters of its squared sine, from dot(a, b)
+// and what a and b have along its axis: across the axis w varies by a quarter of that, along it by a twelfth of the
+// squared height.
+APERTURA_FN float covariance(float product, float alongA, float alongB, CapLight light) { return product - light.around * alongA * alongB; }
+
+// How far two edges coincide, as a light sees them, from the correlation of their planes across it: 1 they are one,
 // 0 they cross, -1 they face each other. After 2 / pi asin(c), the law of two normal variables of correlation c at
 // their medians (Sheppard, "On the application of the theory of error to cases of normal distribution and normal
 // correlation", 1899), above it by up to 0.13 where the edges nearly agree: a disc has no tails.
-APERTURA_FN float edgeShare(float c) { return c * (0.64f + 0.36f * c * c); }
+APERTURA_FN float edgeShare(float correlation) {
+    float c = clamp(correlation, -1.0f, 1.0f);
+    return c * (0.64f + 0.36f * c * c);
+}
 
 // The mean of a product of two from their means p and q, 0..1, and their edgeShare w: of one edge it is the less of the
 // two, and of edges that face each other what both exceed 1 by.
@@ -25,15 +33,11 @@ APERTURA_FN float meanOfThree(vec3 p, vec3 pair) {
     return min(max(sum, least), max(min(min(pair.x, pair.y), min(pair.z, none)), 0.0f));
 }
 
-// Of four, likewise: `two` of 01 and 23, `pair` of 02, 12, 03, 13.
+// Of four, from the pairs 01, 23 and 02, 12, 03, 13: the first pair is one, and the mean of it with each of the others a
+// mean of three.
 APERTURA_FN float meanOfFour(vec4 p, vec2 two, vec4 pair) {
-    float d02 = pair.x - p.x * p.z;
-    float d12 = pair.y - p.y * p.z;
-    float d03 = pair.z - p.x * p.w;
-    float d13 = pair.w - p.y * p.w;
-    float sum = two.x * two.y + d02 * p.y * p.w + d12 * p.x * p.w + d03 * p.y * p.z + d13 * p.x * p.z + d02 * d13 + d03 * d12;
-    float least = max(two.x + two.y - 1.0f, 0.0f);
-    return min(max(sum, least), min(min(two.x, two.y), min(min(pair.x, pair.y), min(pair.z, pair.w))));
+    vec2 withPair = vec2(meanOfThree(vec3(p), vec3(two.x, pair.x, pair.y)), meanOfThree(vec3(p.x, p.y, p.w), vec3(two.x, pair.z, pair.w)));
+    return meanOfThree(vec3(two.x, p.z, p.w), vec3(withPair, two.y));
 }
 
 // What products of two to four factors are on average.

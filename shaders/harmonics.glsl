@@ -2,6 +2,7 @@
 // l (l + 1) + m. GLSL and C++ include this text.
 #ifndef APERTURA_HARMONICS_GLSL
 #define APERTURA_HARMONICS_GLSL
+#include "cap.glsl"
 
 // Band 2 as xy, yz, 3z2-1, xz | x2-y2; band 3 and 4 in order of m. As vec4s, because that is how they travel.
 struct HighBands {

@@ -6,14 +6,6 @@
 
 const int HORIZON_AZIMUTHS = 16;
 
-// A tangent to `normal`, the zero of the azimuths: Duff et al., "Building an Orthonormal Basis, Revisited",
-// 2017. The second tangent is cross(normal, tangent).
-APERTURA_FN vec3 tangentTo(vec3 normal) {
-    float side = normal.z < 0.0f ? -1.0f : 1.0f;
-    float a = -1.0f / (side + normal.z);
-    return vec3(1.0f + side * normal.x * normal.x * a, side * normal.x * normal.y * a, -side * normal.x);
-}
-
 // E of a cap light over a horizon: sine of its elevation at 16 azimuths, linear in between.
 APERTURA_FN float lightOverHorizon(vec3 normal, vec4 h0, vec4 h1, vec4 h2, vec4 h3, CapLight light, int size) {
     vec3 tangent = tangentTo(normal);

@@ -4,7 +4,7 @@
 // GLSL and C++ include this text.
 #ifndef APERTURA_SOFT_GLSL
 #define APERTURA_SOFT_GLSL
-#include "horizon.glsl"
+#include "edges.glsl"
 
 // The open directions around a point, soft-edged.
 struct SoftAperture {
@@ -75,12 +75,9 @@ APERTURA_FN float lightThroughSoft(vec3 normal, SoftAperture soft, CapLight ligh
     return lightOnSurface(normal, light, size) * visible;
 }
 
-// The edgeShare of two lobes: less where they are softer than the light is wide. `along`: dot(slope, light.axis) of each.
-APERTURA_FN float edgesOver(vec3 a, float alongA, vec3 b, float alongB, CapLight light) {
-    float acrossA = max(dot(a, a) - alongA * alongA, 0.0f);
-    float acrossB = max(dot(b, b) - alongB * alongB, 0.0f);
-    float c = light.spread * (dot(a, b) - alongA * alongB) * inversesqrt((2.0f + light.spread * acrossA) * (2.0f + light.spread * acrossB));
-    return edgeShare(clamp(c, -1.0f, 1.0f));
+// 1 over the deviation of a lobe's plane across a light: less where its edge is softer than the light is wide.
+APERTURA_FN float edgeOver(vec3 slope, float along, CapLight light) {
+    return inversesqrt(max(covariance(dot(slope, slope), along, along, light), 0.0f) + 3.226f * light.inverseSin * light.inverseSin);
 }
 
 // A large light as four smaller ones around its centre: what has no closed form over one disc is summed

@@ -62,7 +62,15 @@ std::string whyNoRecipe(const std::string& name) {
 void addBakeCommand(CLI::App& program) {
     auto a = std::make_shared<Arguments>();
     CLI::App& command = *program.add_subcommand("bake", "ray trace what each vertex sees of the sky, into a glTF asset");
-    command.footer("Example: apertura bake statue.obj -o statue.glb --rays 1024");
+    std::string names;
+    for (const Recipe& recipe : recipes()) {
+        names += "  ";
+        names += recipe.name;
+        names += std::string(10 - recipe.name.size(), ' ');
+        names += recipe.what;
+        names += '\n';
+    }
+    command.footer("Models:\n" + names + "Example: apertura bake statue.obj -o statue.glb --rays 1024");
     command.add_option("SCENE", a->scene, ".glb .gltf .obj .ply .stl, a height map .png .tif .exr, or builtin:NAME")->required();
     command.add_option("-o", a->out, "the asset, .glb")->required()->type_name("OUT.glb");
     command.add_option("--rays", a->bake.rays, "rays a vertex [256]")->check(CLI::Range(1, 1 << 20))->type_name("N");
@@ -76,9 +84,7 @@ void addBakeCommand(CLI::App& program) {
     command.add_option("--threads", a->bake.threads, "[all cores]; the result is the same for any number")
         ->check(CLI::Range(1, 1024))
         ->type_name("T");
-    std::string names;
-    for (const Recipe& recipe : recipes()) names += (names.empty() ? "" : ", ") + std::string(recipe.name);
-    command.add_option("--model", a->model, "what to store, of " + names + " [sh]")
+    command.add_option("--model", a->model, "what to store, of the models below [sh]")
         ->check(CLI::Validator([](const std::string& name) { return findRecipe(name) ? "" : whyNoRecipe(name); }, ""))
         ->type_name("NAME");
     command.add_option("--tolerance", a->bake.tolerance, "of the model auto: RMSE of E / (L pi sin^2 r) at light radii 5 and 15 degrees [0.05]")

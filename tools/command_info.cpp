@@ -92,10 +92,10 @@ void print(const nlohmann::ordered_json& d) {
         else
             std::printf("                the tolerance is within reach at every vertex\n");
     }
-    std::printf("  visibility    %.3f of the hemisphere open on average, capness %.3f, %zu vertices closed\n",
+    std::printf("  visibility    %.3f of the hemisphere open on average, capness %.3f (1: it is one cap), %zu vertices closed\n",
                 d["mean_open"].get<double>(), d["mean_capness"].get<double>(), d["closed_vertices"].get<size_t>());
     const auto& e = d["error_bounds"];
-    std::printf("  error bounds  area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap), radius %.3f degrees\n",
+    std::printf("  error bounds  of the four numbers: area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap), radius %.3f degrees\n",
                 e["area_of_hemisphere"].get<double>(), e["direction"].get<double>(),
                 e["direction_degrees_of_a_cap"].get<double>(), e["radius_degrees"].get<double>());
 }

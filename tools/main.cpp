@@ -38,7 +38,9 @@ int main(int argc, char** argv) {
     } catch (const CLI::Success& help) {
         return program.exit(help);
     } catch (const CLI::ParseError& error) {
-        return fail(2, std::string(error.what()) + " (see apertura --help)");
+        std::string verb;
+        for (const CLI::App* parsed : program.get_subcommands()) verb += parsed->get_name() + " ";
+        return fail(2, std::string(error.what()) + " (see apertura " + verb + "--help)");
     } catch (const apertura::Cancelled&) {
         return fail(130, "stopped; nothing was written");
     } catch (const std::bad_alloc&) {
