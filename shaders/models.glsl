@@ -69,9 +69,11 @@ APERTURA_FN float lightThrough(int model, Receiver receiver, CapLight light, int
     int chosen = int(receiver.form[4].y + 0.5f);
     if (chosen == MODEL_AO) return lightThroughOne(MODEL_AO, receiver, light, size);
     if (chosen == MODEL_APERTURE) return lightThroughOne(MODEL_APERTURE, receiver, light, size);
-    if (chosen == MODEL_SOFT) return lightThroughOne(MODEL_SOFT, receiver, light, size);
+    // Of a light over 10 degrees, which may be larger than the ball that a soft aperture stands for, a quadric that does
+    // not bend: it takes the light in four parts.
+    if (chosen == MODEL_SOFT && size != LIGHTS_ANY) return lightThroughOne(MODEL_SOFT, receiver, light, size);
     if (chosen == MODEL_SOFT_2 || chosen == MODEL_FIRM_2) return lightThroughLobes(receiver, 2, light, size);
-    if (chosen == MODEL_SOFT_L2) return lightThroughOne(MODEL_SOFT_L2, receiver, light, size);
+    if (chosen == MODEL_SOFT || chosen == MODEL_SOFT_L2) return lightThroughOne(MODEL_SOFT_L2, receiver, light, size);
     if (chosen == MODEL_FIRM_3) return lightThroughLobes(receiver, 3, light, size);
     return lightThroughLobes(receiver, 4, light, size);
 }

@@ -40,7 +40,7 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
             for (int k = 0; k < count; ++k) {
                 SoftAperture lobe = softIn(receiver.form[k]);
                 along[k] = dot(lobe.slope, part.axis);
-                p[k] = linkOverLight(n, lobe.offset + along[k], lobe.slope, part, quarterDisc());
+                p[k] = linkOverLight(n, lobe.offset + along[k], lobe.slope, part, lobeQuarter(count));
                 inverse[k] = edgeOver(lobe.slope, along[k], part);
             }
             visible += four.weight[i] * lobesTogether(count, productsOver(receiver, count, p, along, inverse, part), how);
@@ -51,7 +51,7 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
             along[k] = dot(lobe.slope, light.axis);
             p[k] = size == LIGHTS_SUN     ? link(lobe.offset + along[k])
                  : size == LIGHTS_SMALL ? lobeOverMedium(lobe, light)
-                                        : linkOverLight(n, lobe.offset + along[k], lobe.slope, light, mediumDisc());
+                                        : linkOverLight(n, lobe.offset + along[k], lobe.slope, light, lobeDisc());
             inverse[k] = edgeOver(lobe.slope, along[k], light);
         }
         if (size == LIGHTS_SUN) return lightOnSurface(n, light, size) * lobesTogether(count, plainProducts(p), how);

@@ -23,10 +23,14 @@ struct DiscLaw {
     float through;   // and for the bulge, in squared heights
     float ends;      // of the line: 1 sharp; a disc's edges come in more softly
 };
-APERTURA_FN DiscLaw wholeDisc() { return DiscLaw(0.5084f, 0.5032f, 0.1667f, 0.6729f, 0.22f, 0.9365f); }
-// Of lobes under lights of medium size, a little softer: the edges of two may be one.
-APERTURA_FN DiscLaw mediumDisc() { return DiscLaw(0.5084f, 0.5032f, 0.1667f, 0.70f, 0.22f, 0.9365f); }
-APERTURA_FN DiscLaw quarterDisc() { return DiscLaw(0.5677f, 0.3954f, 0.1008f, 0.74f, 0.2322f, 0.8493f); }
+APERTURA_FN DiscLaw wholeDisc(float across, float ends) { return DiscLaw(0.5084f, 0.5032f, 0.1667f, across, 0.22f, ends); }
+APERTURA_FN DiscLaw quarterDisc(float across, float ends) { return DiscLaw(0.5677f, 0.3954f, 0.1008f, across, 0.2322f, ends); }
+// Each as sharp as lets no light step further than its rim sweeps: of several lobes edges may be one, and the plane of a
+// quadric turns from quarter to quarter.
+APERTURA_FN DiscLaw softDisc() { return wholeDisc(0.65f, 0.87f); }
+APERTURA_FN DiscLaw lobeDisc() { return wholeDisc(0.68f, 0.88f); }
+APERTURA_FN DiscLaw lobeQuarter(int count) { return count < 4 ? quarterDisc(0.70f, 0.77f) : quarterDisc(0.79f, 0.74f); }
+APERTURA_FN DiscLaw quadricQuarter() { return quarterDisc(0.89f, 0.74f); }
 
 // The mean of link(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
 // axis and has the gradient `slope`. The integral of link has a closed form along a line; the disc is near to one.
@@ -70,7 +74,7 @@ APERTURA_FN float lightThroughSoft(vec3 normal, SoftAperture soft, CapLight ligh
     } else if (size != LIGHTS_ANY) {
         visible = lobeOverMedium(soft, light);
     } else {
-        visible = linkOverLight(normal, soft.offset + dot(soft.slope, light.axis), soft.slope, light, wholeDisc());
+        visible = linkOverLight(normal, soft.offset + dot(soft.slope, light.axis), soft.slope, light, softDisc());
     }
     return lightOnSurface(normal, light, size) * visible;
 }
@@ -112,11 +116,6 @@ APERTURA_FN FourLights quarters(vec3 normal, CapLight light) {
     return four;
 }
 
-APERTURA_FN float lobeOverPart(vec3 normal, SoftAperture lobe, vec3 axis, CapLight part) {
-    part.axis = axis;
-    return linkOverLight(normal, lobe.offset + dot(lobe.slope, axis), lobe.slope, part, quarterDisc());
-}
-
 // A soft aperture whose step follows a quadric: link(offset + dot(slope, w) + w Q w), Q symmetric and
 // without trace.
 struct SoftQuadric {
@@ -139,7 +138,7 @@ APERTURA_FN float lightThroughQuadric(vec3 normal, SoftQuadric soft, CapLight li
     if (size == LIGHTS_SUN) {
         visible = link(centre);
     } else if (size != LIGHTS_ANY) {
-        visible = linkOverLight(normal, centre, soft.slope + 2.0f * bend, light, wholeDisc());
+        visible = linkOverLight(normal, centre, soft.slope + 2.0f * bend, light, softDisc());
     } else {
         FourLights four = quarters(normal, light);
         for (int i = 0; i < 4; ++i) {
@@ -147,7 +146,7 @@ APERTURA_FN float lightThroughQuadric(vec3 normal, SoftQuadric soft, CapLight li
             part.axis = four.axis[i];
             vec3 bent = bendTimes(soft, part.axis);
             float middle = soft.offset + dot(soft.slope + bent, part.axis);
-            visible += four.weight[i] * linkOverLight(normal, middle, soft.slope + 2.0f * bent, part, quarterDisc());
+            visible += four.weight[i] * linkOverLight(normal, middle, soft.slope + 2.0f * bent, part, quadricQuarter());
         }
     }
     return lightOnSurface(normal, light, size) * visible;

@@ -94,12 +94,13 @@ TEST(Stability, AperturesKeepToTheExactOverlapInEverySweep) {
 
 TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
     std::vector<const Model*> asked;
-    for (const char* name : {"oat", "aperture", "alpha", "anti", "soft", "cap-anti", "firm-2"}) asked.push_back(findModel(name));
+    for (const char* name : {"oat", "aperture", "alpha", "anti", "soft", "cap-anti", "firm-2", "firm-3", "firm-4", "soft-l2", "multi-2"}) asked.push_back(findModel(name));
     for (const std::string& scene : builtinNames())
         for (const SceneSteps& s : measureSceneSteps(makeBuiltin(scene), asked, 6, 256, 1, {0.27, 1, 5, 15, 30}, {})) {
             if (s.baseline) continue;
-            const bool caps = s.model == "aperture" || s.model == "alpha" || s.model == "anti";
-            EXPECT_LE(s.step, caps ? 1.002 : s.model == "soft" ? 1.03 : 1.05) << scene << ", " << s.model << ", " << s.radius << " degrees";
+            // Of several edges in one light the formulas know pairs.
+            const bool several = s.model == "cap-anti" || s.model == "multi-2" || s.model == "firm-3";
+            EXPECT_LE(s.step, several ? 1.05 : 1.002) << scene << ", " << s.model << ", " << s.radius << " degrees";
         }
 }
 

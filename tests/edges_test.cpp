@@ -1,0 +1,119 @@
+// The mean over a light of a product of visibilities: against brute force, and exact overlaps.
+#include "sh/models.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+// Directions evenly over a light.
+std::vector<dvec3> directionsIn(const dvec3& axis, double radius, int n) {
+    const dvec3 u = normalize(cross(axis, dvec3(0.3, 0.5, 0.81))), v = cross(axis, u);
+    std::vector<dvec3> out;
+    for (int i = 0; i < n; ++i) {
+        const double z = 1 - (1 - std::cos(radius)) * (i + 0.5) / n, s = std::sqrt(1 - z * z), turn = i * kPi * (3 - std::sqrt(5.0));
+        out.push_back(z * axis + s * (std::cos(turn) * u + std::sin(turn) * v));
+    }
+    return out;
+}
+
+TEST(Edges, CovarianceIsThatOfTwoPlanesOverTheLight) {
+    Random random(71);
+    double alongOnly = 0;
+    for (int i = 0; i < 300; ++i) {
+        const double radius = random(0.02, kPi / 4);
+        dvec3 axis = random.direction(), a = random.direction(), b = random.direction();
+        if (i % 3 == 0) a = axis, b = normalize(axis + 0.1 * b);  // their edges lie along the light's own
+        double sumA = 0, sumB = 0, squareA = 0, squareB = 0, product = 0;
+        const std::vector<dvec3> inside = directionsIn(axis, radius, 4000);
+        for (const dvec3& w : inside) {
+            const double x = dot(a, w), y = dot(b, w);
+            sumA += x, sumB += y, squareA += x * x, squareB += y * y, product += x * y;
+        }
+        const double n = double(inside.size());
+        const double exact = product / n - sumA * sumB / n / n, deviations = std::sqrt((squareA / n - sumA * sumA / n / n) * (squareB / n - sumB * sumB / n / n));
+        const CapLight light = capLight(axis, radius);
+        const double s2 = std::pow(std::sin(radius), 2) / 4;
+        const double ours = s2 * covariance(float(dot(a, b)), float(dot(a, axis)), float(dot(b, axis)), light);
+        EXPECT_NEAR(ours, exact, 0.07 * deviations + 1e-7) << i << ", radius " << radius;
+        if (i % 3 == 0) alongOnly = std::max(alongOnly, std::abs(exact) / deviations);
+    }
+    EXPECT_GT(alongOnly, 0.9);
+}
+
+// Half planes and discs across a disc, or what they leave of it, whose edges lie any way.
+TEST(Edges, MeansOfThreeAndFourFollowFromTheirPairs) {
+    Random random(72);
+    double three = 0, four = 0, plainThree = 0, plainFour = 0, worst = 0;
+    const int trials = 4000, samples = 500;
+    for (int i = 0; i < trials; ++i) {
+        double slope[4][2], offset[4], bend[4];
+        const double first = random(0, 2 * kPi);
+        for (int k = 0; k < 4; ++k) {
+            const double turn = i % 2 ? random(0, 2 * kPi) : first + 0.5 * random(-1, 1) + (random() < 0.3 ? kPi : 0);
+            slope[k][0] = std::cos(turn), slope[k][1] = std::sin(turn), offset[k] = random(-1, 1), bend[k] = random(-0.5, 0.5);
+        }
+        double p[4]{}, pair[4][4]{}, all3 = 0, all4 = 0;
+        for (int s = 0; s < samples; ++s) {
+            const double r = std::sqrt((s + 0.5) / samples), turn = s * kPi * (3 - std::sqrt(5.0)), x = r * std::cos(turn), y = r * std::sin(turn);
+            bool in[4];
+            for (int k = 0; k < 4; ++k) in[k] = slope[k][0] * x + slope[k][1] * y + bend[k] * r * r >= offset[k];
+            for (int k = 0; k < 4; ++k) {
+                p[k] += in[k];
+                for (int l = 0; l < 4; ++l) pair[k][l] += in[k] && in[l];
+            }
+            all3 += in[0] && in[1] && in[2], all4 += in[0] && in[1] && in[2] && in[3];
+        }
+        const auto mean = [&](double sum) { return float(sum / samples); };
+        const float ours3 = meanOfThree(vec3(mean(p[0]), mean(p[1]), mean(p[2])), vec3(mean(pair[0][1]), mean(pair[0][2]), mean(pair[1][2])));
+        const float ours4 = meanOfFour(vec4(mean(p[0]), mean(p[1]), mean(p[2]), mean(p[3])), vec2(mean(pair[0][1]), mean(pair[2][3])),
+                                       vec4(mean(pair[0][2]), mean(pair[1][2]), mean(pair[0][3]), mean(pair[1][3])));
+        three += std::pow(ours3 - mean(all3), 2), four += std::pow(ours4 - mean(all4), 2);
+        plainThree += std::pow(mean(p[0]) * mean(p[1]) * mean(p[2]) - mean(all3), 2);
+        plainFour += std::pow(mean(p[0]) * mean(p[1]) * mean(p[2]) * mean(p[3]) - mean(all4), 2);
+        worst = std::max({worst, std::abs(double(ours3 - mean(all3))), std::abs(double(ours4 - mean(all4)))});
+    }
+    std::printf("of three rms %.4f (product of means %.4f), of four %.4f (%.4f), max %.3f\n", std::sqrt(three / trials), std::sqrt(plainThree / trials),
+                std::sqrt(four / trials), std::sqrt(plainFour / trials), worst);
+    EXPECT_LE(std::sqrt(three / trials), 0.002);
+    EXPECT_LE(std::sqrt(four / trials), 0.004);
+    EXPECT_GE(std::sqrt(plainThree / trials), 0.06);
+    EXPECT_GE(std::sqrt(plainFour / trials), 0.06);
+}
+
+TEST(Edges, TwoMeansAreWithinWhatTwoCanHave) {
+    Random random(73);
+    for (int i = 0; i < 10000; ++i) {
+        const float p = float(random()), q = float(random()), w = edgeShare(float(random(-1.2, 1.2)));
+        const float both = meanOfTwo(p, q, w);
+        EXPECT_LE(both, std::min(p, q) + 1e-6f);
+        EXPECT_GE(both, std::max(p + q - 1, 0.0f) - 1e-6f);
+    }
+    EXPECT_EQ(meanOfTwo(0.4f, 0.7f, edgeShare(0)), 0.4f * 0.7f);
+    EXPECT_FLOAT_EQ(meanOfTwo(0.4f, 0.7f, edgeShare(1)), 0.4f);
+    EXPECT_NEAR(meanOfTwo(0.4f, 0.7f, edgeShare(-1)), 0.1f, 1e-6);
+}
+
+// The same cap several times is that cap: across the light's edge, and where it lies within the light and has no edge
+// that could point anywhere.
+TEST(Edges, CapsOneUponTheOtherCountOnce) {
+    Random random(74);
+    const dvec3 n(0, 0, 1);
+    for (int i = 0; i < 300; ++i) {
+        const double light = random(3, 30) * kPi / 180, radius = light * random(0.5, 1), away = radius * random(0, 1.5);
+        const dvec3 l = normalize(dvec3(random(-0.3, 0.3), random(-0.3, 0.3), 1)), side = normalize(cross(l, random.direction()));
+        const dvec3 axis = std::cos(away) * l + std::sin(away) * side;
+        const double exact = exactShare(n, {{axis, radius}, {l, light}}, light);
+        const CapLight cap = capLight(l, light);
+        Form stored{};
+        for (int k = 0; k < 4; ++k) stored[size_t(k)] = vec4(vec3(axis), float(1 - std::cos(radius)));
+        for (const char* name : {"multi-2", "multi-3", "multi-4"}) {
+            const Model& model = *findModel(name);
+            const Receiver receiver = toReceiver({}, toForm(model, {}, &stored, vec3(n)), vec3(n));
+            EXPECT_NEAR(normalised(lightThrough(model.id, receiver, cap, lightsOf(cap.sinRadius)), light), exact, 0.05)
+                << name << ", light " << light << ", cap " << radius << ", away " << away;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace apertura::test
