@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "bake/bake.h"
@@ -21,6 +22,7 @@ constexpr int kSuspicious = 4;        // of them, that see backs of faces: somew
 constexpr double kBetter = 0.25;      // which sees no more than this share of them
 constexpr double kSteps[] = {0.02, 0.1, 0.25, 0.5, 0.75, 1};  // of the way to the middle of a triangle or an edge
 constexpr double kNoArea = 1e-10;     // a triangle's area over its longest edge squared
+constexpr double kLarge = 0.05;       // of the scene's size, a triangle's longest edge
 constexpr double kSteep = 0.1;        // cosine, below which a normal hardly leads away from a face
 
 // What the triangles about one vertex say.
@@ -66,6 +68,12 @@ public:
     size_t degenerate() const {
         size_t n = 0;
         for (size_t t = 0; t < surface_.triangles.size(); ++t) n += !hasArea(t);
+        return n;
+    }
+
+    size_t longerThan(double length) const {
+        size_t n = 0;
+        for (size_t t = 0; t < surface_.triangles.size(); ++t) n += longest(t) > length;
         return n;
     }
 
@@ -163,6 +171,17 @@ Open twoSided(const Scene& scene) {
     return out;
 }
 
+// Metres, the diagonal of the box about a scene.
+double sizeOf(const Scene& scene) {
+    dvec3 low(std::numeric_limits<double>::max()), high = -low;
+    for (const Instance& instance : scene.instances)
+        for (const glm::vec3& p : scene.surfaces[instance.surface].positions) {
+            const dvec3 place = worldPosition(instance, p);
+            low = glm::min(low, place), high = glm::max(high, place);
+        }
+    return glm::length(high - low);
+}
+
 // How many of a few rays from a point see the back of a face.
 int backsSeen(const Tracer& tracer, const Open& open, const SurfacePoint& point, double spin) {
     static const std::vector<glm::vec3> probes = hemisphereLattice(kProbes);
@@ -218,6 +237,7 @@ std::vector<std::string> describe(const Doubts& d) {
     say("triangles wound against their surface's normals", d.inverted, "the normals are believed");
     say("vertices with normals behind all of their faces", d.against, "baked on the faces' side");
     say("vertices inside other geometry", d.moved, "baked from the nearest point outside on their triangles");
+    say("triangles longer than a twentieth of the scene", d.large, "shadows that fall within them are lost: subdivide them");
     say("vertices that see backs of faces", d.buried, "baked as they are: right inside solids; where they show as dark spots, faces are one-sided or inside out");
     return out;
 }
@@ -227,12 +247,14 @@ VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progr
     Doubts sum;
     size_t all = 0;
     const Open open = twoSided(scene);
+    const double large = kLarge * sizeOf(scene);
     for (const Instance& instance : scene.instances) all += scene.surfaces[instance.surface].positions.size();
     Watch watch(progress, all);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Mesh mesh(scene, scene.instances[i]);
         sum.degenerate += mesh.degenerate();
         sum.inverted += mesh.inverted();
+        sum.large += mesh.longerThan(large);
         std::vector<size_t> vertices;
         for (size_t v = 0; v < mesh.size(); ++v)
             if (mesh.used(v)) vertices.push_back(v);

@@ -27,6 +27,7 @@ struct Doubts {
     size_t inverted = 0;      // triangles wound against their vertices' normals: the normals are believed
     size_t against = 0;       // vertices whose normal points behind all of their faces: they look out on the faces' side
     size_t moved = 0;         // vertices inside something else: they look from the nearest point of their triangles outside
+    size_t large = 0;         // triangles longer than a twentieth of the scene: visibility is known at their corners alone
     size_t buried = 0;        // vertices that see backs of faces, and no better from their triangles: they stay as they are
 };
 

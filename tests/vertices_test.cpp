@@ -161,6 +161,15 @@ TEST(Vertices, WallsSeeNothingFromBelowTheGroundTheyStandOn) {
     }
 }
 
+TEST(Vertices, LargeTrianglesAreCounted) {
+    // Squares of a fifteenth and a thirtieth of the panel: their diagonals are a fifteenth and a thirtieth of its own.
+    for (const auto& [cell, large] : {std::pair(1.0, 2u * 15 * 15), std::pair(0.5, 0u)}) {
+        const Baked baked = bake(sceneOf({panel({0, 0, 15}, {15, 0, 0}, {0, 0, -15}, cell)}));
+        EXPECT_EQ(baked.doubts.large, large) << cell;
+        EXPECT_EQ(describe(baked.doubts).size(), large > 0 ? 1u : 0u);
+    }
+}
+
 TEST(Vertices, WindingAgainstNormalsIsSaidAndTheNormalsCount) {
     Surface flipped = blob();
     for (auto& t : flipped.triangles) std::swap(t[1], t[2]);
@@ -260,7 +269,7 @@ TEST(Vertices, PointInsideAClosedSolidIsCountedAndClosed) {
     EXPECT_EQ(baked.doubts.buried, inner.positions.size());
     EXPECT_EQ(baked.doubts.moved, 0u);
     for (const double open : baked.open(1)) EXPECT_EQ(open, 0);
-    EXPECT_EQ(describe(baked.doubts).size(), 1u);
+    EXPECT_EQ(describe(baked.doubts).size(), 2u);  // and large triangles
     EXPECT_TRUE(describe(Doubts{}).empty());
 }
 
