@@ -43,21 +43,21 @@ Form capAndAnti(const Visibility& any, const vec3& normal) {
 }
 
 // A lobe's edge no harder than a sun's is wide: a point-like light would step over a harder one. And none that reaches
-// numbers anywhere on the sphere whose squares 16 bits do not hold. What it lets through of the sphere, or keeps back where
-// that is less, stays: 2 pi S^-1 of the integral of link up to its value f at the lobe's axis, (f + sqrt(1 + f^2)) / 2.
+// numbers anywhere on the sphere whose squares 16 bits do not hold. The lobe keeps the area that it lets through, or keeps
+// back where that is less: 2 pi / S times the integral of link up to its value f at the axis, (f + sqrt(1 + f^2)) / 2.
 vec4 softened(const vec4& lobe) {
     constexpr float kSharpest = 240, kFarthest = 250;
     const float sharp = length(vec3(lobe)), side = lobe.w > 0 ? -1.0f : 1.0f;
     if (!(sharp > kSharpest) && !(sharp + std::abs(lobe.w) > kFarthest)) return lobe;
-    const float peak = std::min(sharp + side * lobe.w, 1e6f);
-    const float root = std::sqrt(1 + peak * peak);
-    const float height = std::clamp((peak > 0 ? peak + root : 1 / (root - peak)) / (2 * std::max(sharp, 1e-6f)), 1e-12f, 1.0f);
-    // The sharpest S with S height - 1 / (4 S height) at its axis, and as much less S at right angles to it: 2 S - that
-    // is kFarthest; or the least that comes near to it.
+    if (sharp < 1e-6f) return vec4(vec3(0), -side * kFarthest);
+    const float peak = std::min(sharp + side * lobe.w, 1e18f), root = std::sqrt(1 + peak * peak);
+    const float height = std::clamp((peak > 0 ? peak + root : 1 / (root - peak)) / (2 * sharp), 1e-12f, 1.0f);  // area / 2 pi
+    // Of slope S that area needs f = S height - 1 / (4 S height), and the offset f - S. The sharpest S whose numbers stay
+    // within bounds solves S + (S - f) = kFarthest; of an area too small for any, the faintest lobe is taken.
     const float left = kFarthest * kFarthest - (2 - height) / height;
-    const float limit = std::min((kFarthest + std::sqrt(std::max(left, 0.0f))) / (2 * (2 - height)), std::min(sharp, kSharpest));
-    const float at = std::max(limit * height - 1 / (4 * limit * height), 2 * limit - kFarthest);
-    return vec4(vec3(lobe) * (limit / std::max(sharp, 1e-6f)), side * (at - limit));
+    const float S = std::min({(kFarthest + std::sqrt(std::max(left, 0.0f))) / (2 * (2 - height)), sharp, kSharpest});
+    const float f = std::max(S * height - 1 / (4 * S * height), 2 * S - kFarthest);
+    return vec4(vec3(lobe) * (S / sharp), side * (f - S));
 }
 
 Form oneLobe(const Visibility& v, const vec3& normal) {

@@ -2,6 +2,7 @@
 
 #include "bake/load.h"
 #include "bake/receivers.h"
+#include "sh/models.h"
 #include "sh/soft_solve.h"
 #include "tests/support.h"
 
@@ -86,6 +87,22 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
     const double rms = std::sqrt(sum / count);
     std::printf("table against full solve: rms %.5f over %d lights\n", rms, count);
     EXPECT_LE(rms, 0.003);
+}
+
+// What is drawn is softer than what is solved for, and its numbers stay in bounds; openings and blockers keep their size,
+// down to one of 2 degrees, which soft edges of 250 alone would make one of 5.
+TEST(Soft, CapsAsSoftAsTheyAreDrawnKeepTheirArea) {
+    const Model& soft = *findModel("soft");
+    const vec3 n(0, 0, 1);
+    for (const double open : {0.0006, 0.002, 0.01, 0.1, 0.5, 0.9, 0.99, 0.998}) {
+        // A cap or, over a half, what a cap leaves of the hemisphere.
+        const double area = 2 * kPi * std::min(open, 1 - open);
+        const vec3 direction = vec3(normalize(dvec3(0.2, 0, 1)) * area * (1 - area / (4 * kPi)));
+        const Visibility v = open <= 0.5 ? Visibility{direction, float(area)} : Visibility{float(kPi) * n - direction, float(2 * kPi - area)};
+        const vec4 lobe = toForm(soft, v, nullptr, n)[0];
+        EXPECT_LE(length(vec3(lobe)) + std::abs(lobe.w), 250.01f) << open;
+        EXPECT_NEAR(overHemisphere(n, dvec3(vec3(lobe)), lobe.w).area / (2 * kPi), open, 0.03 * std::min(open, 1 - open) + 0.0006) << open;
+    }
 }
 
 TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
