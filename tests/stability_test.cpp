@@ -1,9 +1,10 @@
 // Where methods break: singular configurations, hostile numbers, every packed value, and the scenes' own steps.
-#include "bake/stability.h"
+#include "bake/hostile.h"
 
 #include <cstdlib>
 
 #include "bake/load.h"
+#include "bake/scene_steps.h"
 #include "bake/storage.h"
 #include "runtime/renderer.h"
 #include "sh/packing.h"

@@ -6,7 +6,8 @@
 #include <optional>
 #include <sstream>
 
-#include "bake/stability.h"
+#include "bake/hostile.h"
+#include "bake/scene_steps.h"
 #include "bake/storage.h"
 #include "runtime/error.h"
 #include "runtime/file.h"
