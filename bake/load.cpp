@@ -16,7 +16,18 @@ namespace {
 
 const std::string kBuiltinPrefix = "builtin:";
 
+std::string endingOf(const std::string& path) {
+    std::string ending = std::filesystem::path(path).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    return ending;
+}
+
 }  // namespace
+
+bool isHeightMap(const std::string& path) {
+    static const std::set<std::string> maps{".png", ".tif", ".tiff", ".exr"};
+    return !path.starts_with(kBuiltinPrefix) && maps.contains(endingOf(path));
+}
 
 void adoptReceivers(Scene& scene, const std::string& from) {
     if (!from.starts_with(kBuiltinPrefix)) return;
@@ -38,12 +49,11 @@ Scene loadScene(const std::string& name, const HeightMapOptions& options) {
     if (in.peek() == std::ifstream::traits_type::eof()) throw Error(name + ": the file is empty");
     in.close();
 
-    std::string ending = std::filesystem::path(name).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    static const std::set<std::string> meshes{".obj", ".ply", ".stl"}, maps{".png", ".tif", ".tiff", ".exr"};
+    const std::string ending = endingOf(name);
+    static const std::set<std::string> meshes{".obj", ".ply", ".stl"};
     if (ending == ".glb" || ending == ".gltf") return readGltf(name);
     if (meshes.contains(ending)) return loadMeshFile(name);
-    if (maps.contains(ending)) return loadHeightMap(name, options);
+    if (isHeightMap(name)) return loadHeightMap(name, options);
     throw Error(name + ": unknown kind of file; scenes are .glb .gltf .obj .ply .stl, height maps .png .tif .exr, or "
                        "builtin:NAME");
 }

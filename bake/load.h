@@ -18,6 +18,9 @@ struct HeightMapOptions {
 // Throws Error naming it and the cause.
 Scene loadScene(const std::string& name, const HeightMapOptions& options = {});
 
+// Whether loadScene takes a path for a height map's, by its ending.
+bool isHeightMap(const std::string& path);
+
 // The parts of loadScene.
 Scene loadMeshFile(const std::string& path);                                    // .obj .ply .stl, by assimp
 Scene loadHeightMap(const std::string& path, const HeightMapOptions& options);  // by OpenImageIO

@@ -341,7 +341,9 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
         const bool stored = own == &model;
         if ((!stored && !model.fromVisibility) || !asked(options, model)) continue;
         const Recipe* recipe = findRecipe(asset.info.model);
-        Made made{&model, std::string(recipe ? recipe->source : "sh"), double(model.numbers), bytesAPoint(asset), {}};
+        // Models that are stored leave the four numbers what they are; `auto` may store those of a fit.
+        const bool own4 = recipe && (stored || recipe->model < 0 || recipe->model == MODEL_AUTO);
+        Made made{&model, std::string(own4 ? recipe->source : "sh"), double(model.numbers), bytesAPoint(asset), {}};
         if (stored && model.id == MODEL_AUTO) made.numbers = chosenNumbers(asset);
         if (stored && model.fromVisibility) made.numbers = storedNumbers(model);
         for (const SpreadPoint& p : ground.points) {

@@ -1,6 +1,7 @@
 #include "bake/stability.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -110,6 +111,7 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
         }
         const double half = std::sin(f.apertureRadius / 2), area = 4 * kPi * half * half * f.areaScale;
         const Visibility v{vec3(f.aperture * area * (1 - area / (4 * kPi)) * f.axisLength), float(area)};
+        Visibility seen = v;
         Form form;
         if (recipe) {
             std::vector<uint8_t> blocked;
@@ -118,13 +120,16 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
             how.price = 1 / (how.tolerance * how.tolerance);
             const BakedPoint point = makePoint(*recipe, tools, Samples(tools.lattice, blocked), mat3(1), how);
             form = toForm(model, point.visibility, &point.form, normal);
+            if (!model.baseline) seen = point.visibility;
         } else {
             form = toForm(model, v, nullptr, normal);
+            // What a bake sees of the opening lies above the horizon.
+            if (!model.baseline && f.apertureRadius > 0) seen.direction = vec3(vectorIrradiance(std::array{ExactCap{f.aperture, f.apertureRadius}, ExactCap{kUp, kPi / 2}}));
         }
         // As mixing leaves it; models that are not mixed have axes from a decoder, which makes them unit.
         if (model.mixes && f.axisLength != 1)
             for (int k = 0; k < 2; ++k) form[k] = vec4(vec3(form[k]) * float(f.axisLength), form[k].w);
-        const Receiver receiver = toReceiver(v, form, normal);
+        const Receiver receiver = toReceiver(seen, form, normal);
         out.receivers.push_back(model.mixes ? settled(model.id, receiver) : receiver);
     }
     return out;

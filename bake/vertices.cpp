@@ -171,14 +171,17 @@ Open twoSided(const Scene& scene) {
     return out;
 }
 
-// Metres, the diagonal of the box about a scene.
+// Metres, the diagonal of the box about a scene's triangles.
 double sizeOf(const Scene& scene) {
     dvec3 low(std::numeric_limits<double>::max()), high = -low;
-    for (const Instance& instance : scene.instances)
-        for (const glm::vec3& p : scene.surfaces[instance.surface].positions) {
-            const dvec3 place = worldPosition(instance, p);
-            low = glm::min(low, place), high = glm::max(high, place);
-        }
+    for (const Instance& instance : scene.instances) {
+        const Surface& surface = scene.surfaces[instance.surface];
+        for (const auto& t : surface.triangles)
+            for (uint32_t v : t) {
+                const dvec3 place = worldPosition(instance, surface.positions[v]);
+                low = glm::min(low, place), high = glm::max(high, place);
+            }
+    }
     return glm::length(high - low);
 }
 

@@ -3,6 +3,7 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -94,10 +95,15 @@ uint32_t word(const std::vector<unsigned char>& bytes, size_t at) {
 }
 
 Model parse(const std::string& path, std::string& json) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) throw Error(path + ": is a folder");
     std::ifstream in(path, std::ios::binary);
     if (!in) throw Error(path + ": cannot be opened: " + std::strerror(errno));
     std::vector<unsigned char> bytes((std::istreambuf_iterator<char>(in)), {});
     if (bytes.empty()) throw Error(path + ": the file is empty");
+    const auto first = std::find_if(bytes.begin(), bytes.end(), [](unsigned char c) { return !std::isspace(c); });
+    const bool text = first != bytes.end() && (*first == '{' || *first == 0xef);  // or a byte order mark
+    if (!text && bytes[0] != 'g') throw Error(path + ": not a glTF file");
     if (bytes.size() > std::numeric_limits<uint32_t>::max()) throw Error(path + ": larger than 4 GiB");
 
     tinygltf::TinyGLTF loader;

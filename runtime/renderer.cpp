@@ -71,7 +71,7 @@ const Renderer::Forms& Renderer::forms(const Model& model) {
     const bool stored = storedModel(asset_.info) == &model;
     if (!stored && !model.fromVisibility)
         throw Error(asset_.scene.name + ": was baked with --model " + asset_.info.model + " and does not hold "
-                    + std::string(model.name));
+                    + std::string(model.name) + "; bake it with --model " + std::string(model.name));
     std::vector<vec4> slots;
     for (size_t i = 0; i < asset_.scene.instances.size() && model.slots > 0; ++i) {
         const Instance& instance = asset_.scene.instances[i];

@@ -42,22 +42,32 @@ Form capAndAnti(const Visibility& any, const vec3& normal) {
             vec4(vec2(cap.size), vec2(anti.size))};
 }
 
-// A lobe's edge no harder than a sun's is wide: a point-like light would step over a harder one. And none that reaches
-// numbers anywhere on the sphere whose squares 16 bits do not hold. The lobe keeps the area that it lets through, or keeps
-// back where that is less: 2 pi / S times the integral of link up to its value f at the axis, (f + sqrt(1 + f^2)) / 2.
+// No number of a lobe reaches beyond what 16 bits can square, anywhere on the sphere.
+constexpr double kFarthest = 250;
+
+// A lobe's edge no harder than a sun's is wide: a point-like light would step over a harder one. The lobe keeps the area of
+// the sphere that it lets through, or keeps back where that is less: 2 pi / S times the integral of link up to its value f at
+// the axis, (f + sqrt(1 + f^2)) / 2. (Where the horizon cuts it, the part above changes.)
 vec4 softened(const vec4& lobe) {
-    constexpr float kSharpest = 240, kFarthest = 250;
-    const float sharp = length(vec3(lobe)), side = lobe.w > 0 ? -1.0f : 1.0f;
+    constexpr double kSharpest = 240;
+    const double sharp = length(dvec3(lobe)), side = lobe.w > 0 ? -1 : 1;
     if (!(sharp > kSharpest) && !(sharp + std::abs(lobe.w) > kFarthest)) return lobe;
-    if (sharp < 1e-6f) return vec4(vec3(0), -side * kFarthest);
-    const float peak = std::min(sharp + side * lobe.w, 1e18f), root = std::sqrt(1 + peak * peak);
-    const float height = std::clamp((peak > 0 ? peak + root : 1 / (root - peak)) / (2 * sharp), 1e-12f, 1.0f);  // area / 2 pi
+    if (sharp < 1e-6) return vec4(vec3(0), float(-side * kFarthest));
+    const double peak = sharp + side * lobe.w, root = std::sqrt(1 + peak * peak);
+    const double height = std::clamp((peak > 0 ? peak + root : 1 / (root - peak)) / (2 * sharp), 1e-12, 1.0);  // area / 2 pi
     // Of slope S that area needs f = S height - 1 / (4 S height), and the offset f - S. The sharpest S whose numbers stay
     // within bounds solves S + (S - f) = kFarthest; of an area too small for any, the faintest lobe is taken.
-    const float left = kFarthest * kFarthest - (2 - height) / height;
-    const float S = std::min({(kFarthest + std::sqrt(std::max(left, 0.0f))) / (2 * (2 - height)), sharp, kSharpest});
-    const float f = std::max(S * height - 1 / (4 * S * height), 2 * S - kFarthest);
-    return vec4(vec3(lobe) * (S / sharp), side * (f - S));
+    const double left = kFarthest * kFarthest - (2 - height) / height;
+    const double S = std::min({(kFarthest + std::sqrt(std::max(left, 0.0))) / (2 * (2 - height)), sharp, kSharpest});
+    const double f = std::max(S * height - 1 / (4 * S * height), 2 * S - kFarthest);
+    return vec4(vec3(dvec3(lobe) * (S / sharp)), float(side * (f - S)));
+}
+
+// A quadric within the same bounds; its edge becomes softer, its area stays nearly.
+void soften(vec4& lobe, vec4& bend, float& bendYz) {
+    const double reach = length(dvec3(lobe)) + std::abs(lobe.w) + std::sqrt(glm::dot(glm::dvec4(bend), glm::dvec4(bend)) + double(bendYz) * bendYz);
+    const float scale = float(std::min(1.0, kFarthest / std::max(reach, 1e-6)));
+    lobe *= scale, bend *= scale, bendYz *= scale;
 }
 
 Form oneLobe(const Visibility& v, const vec3& normal) {
@@ -108,9 +118,14 @@ const Model* findModel(std::string_view name) {
 
 namespace {
 
-// Stored lobes softened, and the sizes of stored caps in the slots behind them where several.glsl looks for them.
+// Stored lobes softened, and the sizes of stored caps in the slots behind them where the shaders look for them.
 Form ready(const Model& model, Form form) {
-    for (int k = 0; k < model.storedFields && model.stored[size_t(k)] == Lobe; ++k) form[size_t(k)] = softened(form[size_t(k)]);
+    if (model.id == MODEL_SOFT_L2) {
+        soften(form[0], form[1], form[2].x);
+        return form;
+    }
+    for (int k = 0; k < model.storedFields && (model.stored[size_t(k)] == Lobe || model.stored[size_t(k)] == FirmLobe); ++k)
+        form[size_t(k)] = softened(form[size_t(k)]);
     int caps = 0;
     while (caps < model.storedFields && model.stored[size_t(caps)] == Cap) ++caps;
     const int behind = model.inverseSlot >= 0 ? model.inverseSlot + 1 : caps;

@@ -1,6 +1,6 @@
 #pragma once
 // The visibility models: what each is called, what it stores, and what it makes of that at load. Its formula
-// stands in shaders/models.glsl, under the same number; how it is fitted to rays in bake/fit.cpp.
+// stands in shaders/models.glsl, or what that includes, its number in shaders/receiver.glsl; how it is fitted to rays in bake/fit.cpp.
 #include <algorithm>
 #include <array>
 #include <span>

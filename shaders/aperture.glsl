@@ -155,8 +155,8 @@ APERTURA_FN float apertureShare(vec3 normal, Aperture aperture, CapLight light, 
     return large ? 1.0f - share : share;
 }
 
-// 1 over the deviation of an aperture's plane across a light. `along`: the cosine between their axes.
-APERTURA_FN float rimOver(float along, CapLight light) { return inversesqrt(max(covariance(1.0f, along, along, light), 1e-12f)); }
+// 1 over the deviation of an aperture's plane across a light. `along`: the cosine between their axes, both unit.
+APERTURA_FN float inverseDeviationOfCap(float along, CapLight light) { return inversesqrt(max(covariance(1.0f, along, along, light), 1e-12f)); }
 
 // E of a cap light through the intersection of two apertures or, where `inverse` is 1, through what it
 // leaves. A cap less an anti-cap is one with a large cap, its complement; two caps are what two large ones
@@ -167,7 +167,7 @@ APERTURA_FN float lightThroughTwoCaps(vec3 normal, Aperture a, Aperture b, float
     float q = apertureShare(normal, b, light, size);
     float alongA = dot(a.axis, light.axis);
     float alongB = dot(b.axis, light.axis);
-    float correlation = covariance(between, alongA, alongB, light) * rimOver(alongA, light) * rimOver(alongB, light);
+    float correlation = covariance(between, alongA, alongB, light) * inverseDeviationOfCap(alongA, light) * inverseDeviationOfCap(alongB, light);
     float both = meanOfTwo(p, q, edgeShare(correlation));
     return lightOnSurface(normal, light, size) * (inverse > 0.5f ? 1.0f - both : both);
 }

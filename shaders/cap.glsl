@@ -1,4 +1,4 @@
-// Lights as spherical caps, and the irradiance of one that nothing blocks. GLSL and C++ (through
+// Directions, lights as spherical caps, and the irradiance of one that nothing blocks. GLSL and C++ (through
 // sh/shading.h) both include this text, so that the tests check the number the shader computes.
 //
 // Conventions of every text in this folder: directions are unit vectors that point away from the
@@ -34,7 +34,7 @@ struct CapLight {
     float inverseHeight;  // 1 over height
     float shrink;         // see lobeOverMedium (soft.glsl)
     float spread;         // see lobeOverMedium
-    float around;         // see covariance (edges.glsl)
+    float axialWeight;         // see covariance (edges.glsl)
 };
 
 // A cap's height 1 - cos(radius) from sin(radius), for radii up to pi/2, without cancellation.

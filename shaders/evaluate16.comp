@@ -41,6 +41,6 @@ void main() {
     WideLight wide = capLight(inputs[i].light.xyz, inputs[i].light.w);
     CapLight light = CapLight(f16vec3(narrow(vec4(wide.axis, 0.0))), narrow(wide.sinRadius), narrow(wide.height), narrow(wide.area), narrow(wide.rim),
                               narrow(wide.rimSlope), narrow(wide.angle), narrow(wide.inverseAngle), narrow(wide.inverseSin),
-                              narrow(wide.inverseHeight), narrow(wide.shrink), narrow(wide.spread), narrow(wide.around));
+                              narrow(wide.inverseHeight), narrow(wide.shrink), narrow(wide.spread), narrow(wide.axialWeight));
     results[i] = vec2(lightThrough(model, receiver, light, size), skyThrough(model, receiver));
 }

@@ -9,7 +9,7 @@ const int MAX_LIGHTS = 16;
 // A direction with an angular radius, or a sphere at a place.
 struct Light {
     vec4 place;     // xyz: unit direction towards it where w = 0, its centre in metres where w = 1
-    vec4 shape;     // of a direction: sinRadius, height, area, around; w: a sphere's radius, metres
+    vec4 shape;     // of a direction: sinRadius, height, area, axialWeight; w: a sphere's radius, metres
     vec4 shape2;    // of a direction: rim, rimSlope, angle, inverseAngle
     vec4 shape3;    // of a direction: inverseSin, inverseHeight, shrink, spread
     vec4 radiance;  // rgb, W/m2/sr
@@ -43,7 +43,7 @@ APERTURA_FN CapLight lightSeenFrom(vec3 position, Light light) {
 
 // A light from a direction.
 APERTURA_FN Light lightFrom(CapLight cap, vec3 radiance) {
-    return Light(vec4(cap.axis, 0.0f), vec4(cap.sinRadius, cap.height, cap.area, cap.around),
+    return Light(vec4(cap.axis, 0.0f), vec4(cap.sinRadius, cap.height, cap.area, cap.axialWeight),
                  vec4(cap.rim, cap.rimSlope, cap.angle, cap.inverseAngle),
                  vec4(cap.inverseSin, cap.inverseHeight, cap.shrink, cap.spread), vec4(radiance, 0.0f));
 }

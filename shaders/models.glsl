@@ -22,7 +22,7 @@ APERTURA_FN float shVisibility(Receiver receiver, CapLight light, int bands) {
     return clamp(v, 0.0f, 1.0f);
 }
 
-// E of a cap light at the receiver. `size`: the least of LIGHTS_... that covers it.
+// E of a cap light by one model's formula.
 APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, int size) {
     vec3 n = receiver.normal;
     vec3 zero = vec3(0.0f);  // the published formula makes its own of the height
@@ -63,14 +63,14 @@ APERTURA_FN float lightThroughOne(int model, Receiver receiver, CapLight light, 
     return open;
 }
 
-// The same for every model; `auto` holds the number of its own choice for this point in form[4].y.
-APERTURA_FN float lightThrough(int model, Receiver receiver, CapLight light, int size) {
+// The same for `auto` too, which holds the number of its own choice for this point in form[4].y.
+APERTURA_FN float lightThroughChosen(int model, Receiver receiver, CapLight light, int size) {
     if (model != MODEL_AUTO) return lightThroughOne(model, receiver, light, size);
     int chosen = int(receiver.form[4].y + 0.5f);
     if (chosen == MODEL_AO) return lightThroughOne(MODEL_AO, receiver, light, size);
     if (chosen == MODEL_APERTURE) return lightThroughOne(MODEL_APERTURE, receiver, light, size);
-    // Of a light over 10 degrees, which may be larger than the ball that a soft aperture stands for, a quadric that does
-    // not bend: it takes the light in four parts.
+    // Of a light over 10 degrees, which may be larger than the blocker that a soft aperture stands for, a quadric that
+    // does not bend: it takes the light in four parts.
     if (chosen == MODEL_SOFT && size != LIGHTS_ANY) return lightThroughOne(MODEL_SOFT, receiver, light, size);
     if (chosen == MODEL_SOFT_2 || chosen == MODEL_FIRM_2) return lightThroughLobes(receiver, 2, light, size);
     if (chosen == MODEL_SOFT || chosen == MODEL_SOFT_L2) return lightThroughOne(MODEL_SOFT_L2, receiver, light, size);
@@ -88,6 +88,14 @@ APERTURA_FN float skyThrough(int model, Receiver receiver) {
     if (model == MODEL_UNSHADOWED) return PI;
     if (model == MODEL_AO) return 0.5f * receiver.visibility.w;
     return max(dot(receiver.normal, vec3(receiver.visibility)), 0.0f);
+}
+
+// E of a cap light at the receiver. `size`: the least of LIGHTS_... that covers it. No light brings more than all of the sky
+// does, which is known exactly: so no large one shines through an opening that is smaller than its formula's error.
+APERTURA_FN float lightThrough(int model, Receiver receiver, CapLight light, int size) {
+    float e = lightThroughChosen(model, receiver, light, size);
+    bool bounded = model >= MODEL_SOFT && model != MODEL_HORIZON && size == LIGHTS_ANY;
+    return bounded ? min(e, skyThrough(model, receiver)) : e;
 }
 
 #endif

@@ -12,15 +12,15 @@ APERTURA_FN float lobesTogether(int count, MeanProducts m, vec4 how) {
 }
 
 // The products of `count` lobes or apertures over a light, from what each lets through or keeps back. `along`: dot of
-// each one's slope or axis and the light's; `inverse`: of each, 1 over its deviation.
-APERTURA_FN MeanProducts productsOver(Receiver receiver, int count, vec4 p, vec4 along, vec4 inverse, CapLight light) {
+// each one's slope or axis and the light's; `inverseDeviation`: of each, 1 over its deviation.
+APERTURA_FN MeanProducts productsOver(Receiver receiver, int count, vec4 p, vec4 along, vec4 inverseDeviation, CapLight light) {
     vec3 s[4];
     for (int k = 0; k < 4; ++k) s[k] = vec3(receiver.form[min(k, count - 1)]);
-    float w1 = edgeShare(covariance(dot(s[0], s[1]), along.x, along.y, light) * inverse.x * inverse.y);
+    float w1 = edgeShare(covariance(dot(s[0], s[1]), along.x, along.y, light) * inverseDeviation.x * inverseDeviation.y);
     vec2 w2 = vec2(0.0f);
     vec3 w3 = vec3(0.0f);
-    for (int k = 0; k < 2 && count >= 3; ++k) w2[k] = edgeShare(covariance(dot(s[k], s[2]), along[k], along.z, light) * inverse[k] * inverse.z);
-    for (int k = 0; k < 3 && count >= 4; ++k) w3[k] = edgeShare(covariance(dot(s[k], s[3]), along[k], along.w, light) * inverse[k] * inverse.w);
+    for (int k = 0; k < 2 && count >= 3; ++k) w2[k] = edgeShare(covariance(dot(s[k], s[2]), along[k], along.z, light) * inverseDeviation[k] * inverseDeviation.z);
+    for (int k = 0; k < 3 && count >= 4; ++k) w3[k] = edgeShare(covariance(dot(s[k], s[3]), along[k], along.w, light) * inverseDeviation[k] * inverseDeviation.w);
     return meanProducts(count, p, w1, w2, w3);
 }
 
@@ -30,7 +30,7 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
     vec4 how = receiver.form[count];
     vec4 p = vec4(1.0f);
     vec4 along = vec4(0.0f);
-    vec4 inverse = vec4(0.0f);
+    vec4 inverseDeviation = vec4(0.0f);
     float visible = 0.0f;
     if (size == LIGHTS_ANY) {
         FourLights four = quarters(n, light);
@@ -41,9 +41,9 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
                 SoftAperture lobe = softIn(receiver.form[k]);
                 along[k] = dot(lobe.slope, part.axis);
                 p[k] = linkOverLight(n, lobe.offset + along[k], lobe.slope, part, lobeQuarter(count));
-                inverse[k] = edgeOver(lobe.slope, along[k], part);
+                inverseDeviation[k] = inverseDeviationOfLobe(lobe.slope, along[k], part);
             }
-            visible += four.weight[i] * lobesTogether(count, productsOver(receiver, count, p, along, inverse, part), how);
+            visible += four.weight[i] * lobesTogether(count, productsOver(receiver, count, p, along, inverseDeviation, part), how);
         }
     } else {
         for (int k = 0; k < count; ++k) {
@@ -52,10 +52,10 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
             p[k] = size == LIGHTS_SUN     ? link(lobe.offset + along[k])
                  : size == LIGHTS_SMALL ? lobeOverMedium(lobe, light)
                                         : linkOverLight(n, lobe.offset + along[k], lobe.slope, light, lobeDisc());
-            inverse[k] = edgeOver(lobe.slope, along[k], light);
+            inverseDeviation[k] = inverseDeviationOfLobe(lobe.slope, along[k], light);
         }
         if (size == LIGHTS_SUN) return lightOnSurface(n, light, size) * lobesTogether(count, plainProducts(p), how);
-        visible = lobesTogether(count, productsOver(receiver, count, p, along, inverse, light), how);
+        visible = lobesTogether(count, productsOver(receiver, count, p, along, inverseDeviation, light), how);
     }
     return lightOnSurface(n, light, size) * visible;
 }
@@ -65,16 +65,16 @@ APERTURA_FN float lightThroughLobes(Receiver receiver, int count, CapLight light
 APERTURA_FN float shareOfAny(Receiver receiver, int count, CapLight light, int size) {
     vec4 kept = vec4(1.0f);
     vec4 along = vec4(0.0f);
-    vec4 inverse = vec4(0.0f);
+    vec4 inverseDeviation = vec4(0.0f);
     for (int k = 0; k < count; ++k) {
         vec4 slot = receiver.form[k];
         vec4 two = receiver.form[count + k / 2];
         vec2 own = (k & 1) == 0 ? vec2(two.x, two.y) : vec2(two.z, two.w);
         along[k] = dot(vec3(slot), light.axis);
-        inverse[k] = rimOver(along[k], light);
+        inverseDeviation[k] = inverseDeviationOfCap(along[k], light);
         kept[k] = 1.0f - shareThroughAperture(receiver.normal, apertureIn(slot, vec3(own.x, own.y, 0.0f)), light, size);
     }
-    return 1.0f - productsOver(receiver, count, kept, along, inverse, light).all;
+    return 1.0f - productsOver(receiver, count, kept, along, inverseDeviation, light).all;
 }
 
 #endif

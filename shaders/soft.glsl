@@ -25,8 +25,8 @@ struct DiscLaw {
 };
 APERTURA_FN DiscLaw wholeDisc(float across, float ends) { return DiscLaw(0.5084f, 0.5032f, 0.1667f, across, 0.22f, ends); }
 APERTURA_FN DiscLaw quarterDisc(float across, float ends) { return DiscLaw(0.5677f, 0.3954f, 0.1008f, across, 0.2322f, ends); }
-// Each as sharp as lets no light step further than its rim sweeps: of several lobes edges may be one, and the plane of a
-// quadric turns from quarter to quarter.
+// Each as sharp as lets no light that crosses the built-in scenes step further than its rim sweeps (of three lobes 3 %): of
+// several lobes edges may be one, and the plane of a quadric turns from quarter to quarter.
 APERTURA_FN DiscLaw softDisc() { return wholeDisc(0.65f, 0.87f); }
 APERTURA_FN DiscLaw lobeDisc() { return wholeDisc(0.68f, 0.88f); }
 APERTURA_FN DiscLaw lobeQuarter(int count) { return count < 4 ? quarterDisc(0.70f, 0.77f) : quarterDisc(0.79f, 0.74f); }
@@ -79,9 +79,11 @@ APERTURA_FN float lightThroughSoft(vec3 normal, SoftAperture soft, CapLight ligh
     return lightOnSurface(normal, light, size) * visible;
 }
 
-// 1 over the deviation of a lobe's plane across a light: less where its edge is softer than the light is wide.
-APERTURA_FN float edgeOver(vec3 slope, float along, CapLight light) {
-    return inversesqrt(max(covariance(dot(slope, slope), along, along, light), 0.0f) + 3.226f * light.inverseSin * light.inverseSin);
+// 1 over the deviation of a lobe's plane across a light, in sines of its radius, with a term for how soft its edge is beside
+// the light: fitted to pairs of lobes, tests/soft_test.cpp. `along`: dot(slope, light.axis).
+APERTURA_FN float inverseDeviationOfLobe(vec3 slope, float along, CapLight light) {
+    float s = light.sinRadius;
+    return s * inversesqrt(3.2f + s * s * max(covariance(dot(slope, slope), along, along, light), 0.0f));
 }
 
 // A large light as four smaller ones around its centre: what has no closed form over one disc is summed

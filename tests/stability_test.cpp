@@ -2,6 +2,7 @@
 #include "bake/hostile.h"
 
 #include <cstdlib>
+#include <map>
 
 #include "bake/load.h"
 #include "bake/scene_steps.h"
@@ -62,7 +63,7 @@ TEST(Stability, SixteenBitFloatsAreEnough) {
     std::vector<Scene> scenes;
     for (const char* name : {"statue", "canyon"}) scenes.push_back(makeBuiltin(name));
     std::vector<const Model*> asked;
-    for (const char* name : {"aperture", "soft", "firm-2", "soft-2", "multi-2", "cap-anti"}) asked.push_back(findModel(name));
+    for (const char* name : {"aperture", "soft", "firm-2", "soft-2", "soft-l2", "firm-4", "multi-2", "cap-anti"}) asked.push_back(findModel(name));
     for (const HalfError& e : measureHalf(scenes, asked, 6, 256, 1, {0.27, 5}, [&](int id, int size, const std::vector<Evaluation>& all) { return onDevice(gpu, id, size, all, true); })) {
         EXPECT_EQ(e.notFinite, 0) << e.model << ", " << e.radius;
         EXPECT_LE(e.rms, 0.01) << e.model << ", " << e.radius;
@@ -94,15 +95,23 @@ TEST(Stability, AperturesKeepToTheExactOverlapInEverySweep) {
 }
 
 TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
+    // Of the published formula and what may step a little further: how edges of caps meet is known nearly, of three and
+    // four from their pairs; three lobes are as sharp as their error asks for.
+    const std::map<std::string, double> beyond{{"multi-2", 1.04}, {"cap-anti", 1.05}, {"firm-3", 1.04}, {"multi-3", 1.2}, {"multi-4", 1.25}};
     std::vector<const Model*> asked;
-    for (const char* name : {"oat", "aperture", "alpha", "anti", "soft", "cap-anti", "firm-2", "firm-3", "firm-4", "soft-l2", "multi-2"}) asked.push_back(findModel(name));
+    for (const Model& model : models())
+        if (!model.baseline || model.id == MODEL_OAT) asked.push_back(&model);
+    double oat = 0;
     for (const std::string& scene : builtinNames())
         for (const SceneSteps& s : measureSceneSteps(makeBuiltin(scene), asked, 6, 256, 1, {0.27, 1, 5, 15, 30}, {})) {
-            if (s.baseline) continue;
-            // Of several edges in one light the formulas know pairs.
-            const bool several = s.model == "cap-anti" || s.model == "multi-2" || s.model == "firm-3";
-            EXPECT_LE(s.step, several ? 1.05 : 1.002) << scene << ", " << s.model << ", " << s.radius << " degrees";
+            if (s.baseline) {
+                oat = std::max(oat, s.step);
+                continue;
+            }
+            const auto most = beyond.find(s.model);
+            EXPECT_LE(s.step, most == beyond.end() ? 1.002 : most->second) << scene << ", " << s.model << ", " << s.radius << " degrees";
         }
+    EXPECT_GT(oat, 1.1);
 }
 
 TEST(Stability, BytesKeepToTheBoundsOfAxisAndRadius) {

@@ -16,6 +16,7 @@ struct Arguments {
     HeightMapOptions map;
     BakeOptions bake;
     int bits = 8;
+    bool spacingGiven = false;
 };
 
 void run(const Arguments& a) {
@@ -46,6 +47,7 @@ void run(const Arguments& a) {
     for (const SeenByInstance& seen : visibility) vertices += seen.visibility.size();
     std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices,
                 triangleCount(scene), a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
+    if (isHeightMap(a.scene) && !a.spacingGiven) std::printf("  texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise\n");
     for (const std::string& line : describe(doubts)) std::printf("  %s\n", line.c_str());
 }
 
@@ -66,7 +68,7 @@ void addBakeCommand(CLI::App& program) {
     for (const Recipe& recipe : recipes()) {
         names += "  ";
         names += recipe.name;
-        names += std::string(10 - recipe.name.size(), ' ');
+        names += std::string(recipe.name.size() < 10 ? 10 - recipe.name.size() : 1, ' ');
         names += recipe.what;
         names += '\n';
     }
@@ -91,7 +93,8 @@ void addBakeCommand(CLI::App& program) {
         ->check(finiteRange(1e-6, 1e6))
         ->type_name("RMSE");
     addHeightMapOptions(command, a->map);
-    command.callback([a] {
+    command.callback([a, &command] {
+        a->spacingGiven = command.count("--spacing") > 0;
         a->bake.recipe = findRecipe(a->model)->name;
         run(*a);
     });

@@ -74,10 +74,12 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     };
     footer("rms of the truth", &MeasureRow::rmsTruth);
     footer("the truth's own noise", &MeasureRow::noise);
+    std::printf("from: sh, the coefficients of what the rays see; rays, straight from them; fit, fitted to them. bytes: of a vertex in the asset\n");
     if (m.paths.empty()) return;
-    std::printf("from: sh, the coefficients of what the rays see; rays, straight from them; fit, fitted to them\n");
-    std::printf("\nwhere apertures of coefficients (sh) and of rays part: what each step does to the receiver's own aperture\n");
-    std::printf("%-56s %-5s %17s %17s %8s\n", "", "from", "axis deg rms/max", "radius rms/max", "E, 5 deg");
+    std::printf(
+        "\nwhere apertures of coefficients (sh) and of rays part: what each step does to the receiver's own aperture,\n"
+                "rms and largest, and to its E / (L pi sin^2 r) of a light of 5 degrees\n");
+    std::printf("%-56s %-5s %17s %17s %8s\n", "", "from", "axis deg rms/max", "radius deg", "E rms");
     for (const PathRow& p : m.paths)
         std::printf("%-56s %-5s %8.3f %8.2f %8.3f %8.2f %8.4f\n", p.stage.c_str(), p.source.c_str(), p.directionRms,
                     p.directionMax, p.radiusRms, p.radiusMax, p.irradianceRms);
