@@ -62,7 +62,7 @@ std::string radeonDriver() {
 std::vector<CompiledCost> costsOn(const char* family, const std::vector<CostCase>& cases) {
     const std::string driver = radeonDriver();
     if (driver.empty()) throw Error("Mesa's driver for Radeons (RADV) is not installed");
-    Parcel parcel = runIsolated("RADV", 120, [&](Parcel& out) {
+    Parcel parcel = runIsolated("RADV", 900, [&](Parcel& out) {
         setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
         setenv("VK_DRIVER_FILES", driver.c_str(), 1);
         setenv("RADV_FORCE_FAMILY", family, 1);
