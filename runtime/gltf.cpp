@@ -102,7 +102,7 @@ Model parse(const std::string& path, std::string& json) {
     std::vector<unsigned char> bytes((std::istreambuf_iterator<char>(in)), {});
     if (bytes.empty()) throw Error(path + ": the file is empty");
     const auto first = std::find_if(bytes.begin(), bytes.end(), [](unsigned char c) { return !std::isspace(c); });
-    const bool text = first != bytes.end() && (*first == '{' || *first == 0xef);  // or a byte order mark
+    const bool text = first != bytes.end() && (*first == '{' || *first == '[' || *first == 0xef);  // JSON, or a byte order mark
     if (!text && bytes[0] != 'g') throw Error(path + ": not a glTF file");
     if (bytes.size() > std::numeric_limits<uint32_t>::max()) throw Error(path + ": larger than 4 GiB");
 
