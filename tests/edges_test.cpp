@@ -116,5 +116,20 @@ TEST(Edges, CapsOneUponTheOtherCountOnce) {
     }
 }
 
+// Whatever the formula for its disc errs by: through an opening of a degree comes at most what all of the sky sends.
+TEST(Edges, NoLargeLightBringsMoreThanTheSky) {
+    const vec3 n(0, 0, 1);
+    const dvec3 axis = normalize(dvec3(0.3, 0, 1));
+    const double radius = kPi / 180, sky = kPi * std::pow(std::sin(radius), 2) * axis.z;  // of a cap above the horizon
+    const double area = 2 * kPi * (1 - std::cos(radius));
+    const Visibility v{vec3(axis * area * (1 - area / (4 * kPi))), float(area)};
+    const Receiver receiver = toReceiver(*findModel("soft"), v, n);
+    for (const double light : {12.0, 30.0, 45.0})
+        for (double away = 0; away < 90; away += 3) {
+            const CapLight cap = capLight(normalize(dvec3(std::sin(away * kPi / 180), 0, std::cos(away * kPi / 180))), light * kPi / 180);
+            EXPECT_LE(lightThrough(MODEL_SOFT, receiver, cap, LIGHTS_ANY), 1.001 * sky) << light << " degrees, " << away << " away";
+        }
+}
+
 }  // namespace
 }  // namespace apertura::test

@@ -83,7 +83,7 @@ TEST(Measure, TheNineScenesReachTheirMeans) {
         double most[3];
     } cases[] = {{"soft", "sh", {0.105, 0.068, 0.044}},
                  {"soft", "fit", {0.088, 0.056, 0.039}},
-                 {"firm-2", "fit", {0.062, 0.036, 0.0225}},
+                 {"firm-2", "fit", {0.062, 0.036, 0.022}},
                  {"firm-3", "fit", {0.049, 0.028, 0.018}},
                  {"firm-4", "fit", {0.044, 0.022, 0.020}},
                  {"auto", "fit", {0.065, 0.044, 0.025}}};
