@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <limits>
 
 #include "bake/isolated.h"
@@ -17,12 +19,19 @@ namespace apertura {
 namespace {
 
 constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
+constexpr float kHighest = 100e3f;  // metres; Olympus Mons rises 22 km
 constexpr int64_t kMostTexels = int64_t(1) << 26;  // 8192 squared; more would not fit into a .glb
 
 struct HeightMap {
     int width = 0, height = 0;
     std::vector<float> values;  // row by row from the north-west; NaN where there is no data
 };
+
+std::string oneLine(std::string cause) {
+    std::replace(cause.begin(), cause.end(), '\n', ' ');
+    while (!cause.empty() && cause.back() == ' ') cause.pop_back();
+    return cause.empty() ? "damaged" : cause;
+}
 
 // GDAL writes NoData into TIFF as text in a tag of its own, 42113, which OpenImageIO does not read.
 float noDataValue(const std::string& path) {
@@ -63,16 +72,38 @@ double component(const unsigned char* bytes, const OIIO::TypeDesc& type) {
     }
 }
 
+// OpenImageIO's name of the format, by the first bytes of the file. Left to itself it tries every format that it knows.
+std::string formatOf(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::string head(4, '\0');
+    in.read(head.data(), 4);
+    if (head == "\x89PNG") return "png";
+    if (head == "\x76\x2F\x31\x01") return "openexr";
+    const bool tiff = head.starts_with("II") || head.starts_with("MM");
+    if (!tiff) throw Error("cannot be read as an image: it is no PNG, TIFF or EXR");
+    return "tiff";
+}
+
+// Throws Error where heights unpacked as Terrain-RGB are no planet's: Terrarium tiles, which pack them otherwise, come out
+// as mountains of 800 km.
+void requirePlausible(const std::vector<float>& heights) {
+    for (const float h : heights)
+        if (std::abs(h) > kHighest) {
+            char text[160];
+            std::snprintf(text, sizeof text, "a height of %.0f km: its colours are not packed as Terrain-RGB (-10000 + 0.1 (65536 R + 256 G + B) m)", h / 1000);
+            throw Error(text);
+        }
+}
+
 HeightMap readHeights(const std::string& path, const HeightMapOptions& options) {
-    OIIO::ImageSpec hints;
+    OIIO::ImageSpec hints, opened;
     hints.attribute("oiio:UnassociatedAlpha", 1);
-    auto in = OIIO::ImageInput::open(path, &hints);
-    auto line = [](std::string cause) {
-        std::replace(cause.begin(), cause.end(), '\n', ' ');
-        while (!cause.empty() && cause.back() == ' ') cause.pop_back();
-        return cause.empty() ? std::string("damaged") : cause;
-    };
-    if (!in) throw Error("cannot be read as an image: " + line(OIIO::geterror()));
+    auto in = OIIO::ImageInput::create(formatOf(path));
+    if (in && !in->open(path, opened, hints)) {
+        const std::string cause = in->geterror();
+        throw Error("cannot be read as an image: " + oneLine(cause));
+    }
+    if (!in) throw Error("cannot be read as an image: " + oneLine(OIIO::geterror()));
     const OIIO::ImageSpec spec = in->spec();
     if (spec.width < 2 || spec.height < 2)
         throw Error("a height map needs at least 2 x 2 texels, this has " + std::to_string(spec.width) + " x "
@@ -84,7 +115,7 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
         throw Error("Terrain-RGB needs three 8-bit channels");
     if (!options.terrainRgb && channels > 2)
         throw Error("has " + std::to_string(channels)
-                    + " channels where a height map has one; for Terrain-RGB give --terrain-rgb");
+                    + " channels where a height map has one; where colours pack heights as Terrain-RGB does, give --terrain-rgb");
     if (channels > 16) throw Error("has too many channels");
 
     // A file of a few bytes can claim any size: memory follows what can be read.
@@ -94,10 +125,10 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
     HeightMap map{spec.width, spec.height, {}};
     const float nothing = in->format_name() == std::string("tiff") ? noDataValue(path) : kVoid;
     if (tiled && !in->read_image(0, 0, 0, channels, spec.format, raw.data()))
-        throw Error("cannot be read: " + line(in->geterror()));
+        throw Error("cannot be read: " + oneLine(in->geterror()));
     for (int y = 0; y < spec.height; ++y) {
         if (!tiled && !in->read_scanline(spec.y + y, 0, spec.format, raw.data()))
-            throw Error("cannot be read: " + line(in->geterror()));
+            throw Error("cannot be read: " + oneLine(in->geterror()));
         for (int x = 0; x < spec.width; ++x) {
             const size_t texel = (tiled ? size_t(y) * spec.width : 0) + x;
             auto value = [&](int c) {
@@ -110,22 +141,24 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
             map.values.push_back(height);
         }
     }
+    if (options.terrainRgb) requirePlausible(map.values);
     return map;
 }
 
 }  // namespace
 
 Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
-    Parcel parcel = runIsolated(path, secondsFor(path, 20), [&](Parcel& out) {
-        const HeightMap read = readHeights(path, options);
-        out.put(&read.width, 1);
-        out.put(&read.height, 1);
-        out.put(read.values);
-    });
     HeightMap map;
-    map.width = parcel.take<int>()[0];
-    map.height = parcel.take<int>()[0];
-    map.values = parcel.take<float>();
+    const auto send = [&](ParcelWriter& out) {
+        const HeightMap read = readHeights(path, options);
+        out.put(std::vector{read.width, read.height});
+        out.put(read.values);
+    };
+    const auto receive = [&](ParcelReader& in) {
+        const std::vector<int> size = in.take<int>();
+        map = {size.at(0), size.at(1), in.take<float>()};
+    };
+    runIsolated(path, limitsFor(path), send, receive);
     Scene scene;
     scene.name = path;
     Surface surface;

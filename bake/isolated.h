@@ -1,46 +1,56 @@
 #pragma once
-#include <cstring>
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
 
 namespace apertura {
 
-// Bytes between two processes.
-class Parcel {
+// One end of the pipe between two processes; values go through as bytes, a count before each run of them.
+class ParcelWriter {
 public:
-    std::string bytes;
-
-    template <typename T>
-    void put(const T* values, size_t count) {
-        bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
-        if (count) bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
-    }
+    explicit ParcelWriter(int to) : to_(to) {}
     template <typename T>
     void put(const std::vector<T>& values) {
-        put(values.data(), values.size());
+        const size_t count = values.size();
+        write(&count, sizeof count);
+        write(values.data(), count * sizeof(T));
     }
+
+private:
+    void write(const void* bytes, size_t size);
+    int to_;
+};
+
+class ParcelReader {
+public:
+    ParcelReader(int from, double mostBytes) : from_(from), left_(mostBytes) {}
     template <typename T>
     std::vector<T> take() {
-        size_t count = 0;
-        std::memcpy(&count, &bytes.at(at_), sizeof count);
-        at_ += sizeof count;
-        std::vector<T> out(count);
-        if (count) std::memcpy(static_cast<void*>(out.data()), &bytes.at(at_), count * sizeof(T));
-        at_ += count * sizeof(T);
+        std::vector<T> out(takeCount(sizeof(T)));
+        read(out.data(), out.size() * sizeof(T));
         return out;
     }
 
 private:
-    size_t at_ = 0;
+    size_t takeCount(size_t element);
+    void read(void* bytes, size_t size);
+    int from_;
+    double left_;  // bytes that may still come
 };
 
-// Runs `read` in a process of its own, silent on standard error, and returns what it filled in. The
-// libraries that read foreign files crash and hang on damaged ones: here that is an Error that names
-// `path`. The process gets `seconds` of processor time and 4 GiB on top of what is in use.
-Parcel runIsolated(const std::string& path, int seconds, const std::function<void(Parcel&)>& read);
+// What a process may take on top of what it begins with.
+struct ResourceLimits {
+    double seconds = 0;  // of processor time
+    double bytes = 0;    // of memory, and of what it may send
+};
 
-// A fair limit for a file of its size: `base` seconds and two for each MiB.
-int secondsFor(const std::string& path, int base);
+// As much as reading a file of its size can need, and at most half of the machine's memory.
+ResourceLimits limitsFor(const std::string& path);
+
+// The libraries that read foreign files crash and hang on damaged ones: here that is an Error that names `path`.
+// Runs `read` in a process of its own, silent on standard error, and `receive` on what it sends, in the same order.
+void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(ParcelWriter&)>& read,
+                 const std::function<void(ParcelReader&)>& receive);
 
 }  // namespace apertura

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "runtime/error.h"
+#include "runtime/file.h"
 #include "runtime/gltf.h"
 
 namespace apertura {
@@ -42,13 +40,7 @@ void adoptReceivers(Scene& scene, const std::string& from) {
 
 Scene loadScene(const std::string& name, const HeightMapOptions& options) {
     if (name.starts_with(kBuiltinPrefix)) return makeBuiltin(name.substr(kBuiltinPrefix.size()));
-    std::error_code ignored;
-    if (std::filesystem::is_directory(name, ignored)) throw Error(name + ": is a folder");
-    std::ifstream in(name, std::ios::binary);
-    if (!in) throw Error(name + ": cannot be opened: " + std::strerror(errno));
-    if (in.peek() == std::ifstream::traits_type::eof()) throw Error(name + ": the file is empty");
-    in.close();
-
+    requireOrdinaryFile(name);
     const std::string ending = endingOf(name);
     static const std::set<std::string> meshes{".obj", ".ply", ".stl"};
     if (ending == ".glb" || ending == ".gltf") return readGltf(name);

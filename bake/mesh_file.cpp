@@ -1,3 +1,4 @@
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -21,9 +22,21 @@ void addNode(Instances& out, const aiNode* node, const aiMatrix4x4& parent) {
     for (unsigned i = 0; i < node->mNumChildren; ++i) addNode(out, node->mChildren[i], m);
 }
 
-// Fills in the instances, then the positions, normals and triangles of each surface.
-void read(const std::string& path, Parcel& parcel) {
+// Only the file itself: an OBJ names material libraries, which may be anything and are not needed.
+class OneFile : public Assimp::DefaultIOSystem {
+public:
+    explicit OneFile(std::string path) : path_(std::move(path)) {}
+    bool Exists(const char* file) const override { return file == path_ && DefaultIOSystem::Exists(file); }
+    Assimp::IOStream* Open(const char* file, const char* mode) override { return file == path_ ? DefaultIOSystem::Open(file, mode) : nullptr; }
+
+private:
+    std::string path_;
+};
+
+// Sends the instances, then the positions, normals and triangles of each surface.
+void read(const std::string& path, ParcelWriter& parcel) {
     Assimp::Importer importer;
+    importer.SetIOHandler(new OneFile(path));  // which it deletes
     // Vertices that face apart by more than this are split where the file has no normals of its own.
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 60.0f);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -73,21 +86,23 @@ void read(const std::string& path, Parcel& parcel) {
 }  // namespace
 
 Scene loadMeshFile(const std::string& path) {
-    Parcel parcel = runIsolated(path, secondsFor(path, 5), [&](Parcel& out) { read(path, out); });
     Scene scene;
     scene.name = path;
-    int surfaces = 0;
-    for (const auto& [surface, world] : parcel.take<Instances::value_type>()) {
-        scene.instances.push_back({surface, world});
-        surfaces = std::max(surfaces, surface + 1);
-    }
-    for (int i = 0; i < surfaces; ++i) {
-        Surface surface;
-        surface.positions = parcel.take<glm::vec3>();
-        surface.normals = parcel.take<glm::vec3>();
-        surface.triangles = parcel.take<std::array<uint32_t, 3>>();
-        scene.surfaces.push_back(std::move(surface));
-    }
+    const auto receive = [&](ParcelReader& parcel) {
+        int surfaces = 0;
+        for (const auto& [surface, world] : parcel.take<Instances::value_type>()) {
+            scene.instances.push_back({surface, world});
+            surfaces = std::max(surfaces, surface + 1);
+        }
+        for (int i = 0; i < surfaces; ++i) {
+            Surface surface;
+            surface.positions = parcel.take<glm::vec3>();
+            surface.normals = parcel.take<glm::vec3>();
+            surface.triangles = parcel.take<std::array<uint32_t, 3>>();
+            scene.surfaces.push_back(std::move(surface));
+        }
+    };
+    runIsolated(path, limitsFor(path), [&](ParcelWriter& out) { read(path, out); }, receive);
     validate(scene);
     return scene;
 }

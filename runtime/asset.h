@@ -46,8 +46,12 @@ bool mayMix(const Model& model, bool stored);
 // Bytes that a vertex's visibility takes, on average: the four numbers and what is stored beside them.
 double bytesAPoint(const Asset& asset);
 
+// Throws Error naming the scene where `info` holds what JSON cannot: to be asked before the work of a bake.
+void requireStorable(const BakeInfo& info, const std::string& name);
+
 // Writes `scene` with its visibility as .glb: a document that the scene came from keeps all its content;
-// instances of one mesh get an attribute each and share the rest. Throws Error naming `path`.
+// instances of one mesh get an attribute each and share the rest, what an earlier bake left is replaced, and bytes that
+// nothing refers to any more are left out. Throws Error naming `path`.
 void writeAsset(const std::string& path, const Scene& scene, const BakedVisibility& visibility, const BakeInfo& info);
 
 // Whether the file is a glTF that holds visibility. Throws Error where it cannot be read at all.

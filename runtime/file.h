@@ -1,11 +1,22 @@
 #pragma once
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace apertura {
 
+// The whole of an ordinary file (links followed; no folder, pipe or device), or Error "PATH: cause" where it cannot be
+// read. Where its size is known to be `length`, a file of another is not read: Error.
+std::vector<unsigned char> readFile(const std::string& path, std::optional<size_t> length = {});
+
+// Throws Error "PATH: cause" unless an ordinary file that is not empty can be read there.
+void requireOrdinaryFile(const std::string& path);
+
 // A file that exists whole or not at all: written under another name beside `path` (same ending), put in
-// place by commit(), removed when it goes out of scope without one. Throws Error naming `path` where the
-// folder does not exist or cannot be written to, or where something that is no ordinary file stands there.
+// place by commit(), removed when it goes out of scope without one. While it exists the other name is locked
+// (flock); what a process that was killed left behind is not, and goes when the next file of that name is begun.
+// Throws Error naming `path` where the folder does not exist or cannot be written to, where its name is too long, or
+// where something that is no ordinary file stands there.
 class PendingFile {
 public:
     explicit PendingFile(std::string path);
@@ -18,6 +29,7 @@ public:
 
 private:
     std::string path_, target_, temporary_;
+    int lock_ = -1;
 };
 
 // `text` as the whole of `path`, through a PendingFile.

@@ -1,6 +1,12 @@
 #include "runtime/scene.h"
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <map>
+#include <tuple>
 
 #include "runtime/error.h"
 
@@ -8,6 +14,8 @@ namespace apertura {
 namespace {
 
 constexpr float kFarthest = 1e15f;  // metres; beyond, squares of lengths leave float32
+constexpr double kPlaneSteps = 4096;          // of a normal's components: planes nearer than that are one
+constexpr double kBytesABakedVertex = 150;    // point, samples, the four numbers and a model's parameters
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -95,8 +103,57 @@ void makeNormals(Surface& surface) {
     surface.normalsMade = true;
 }
 
+void makeFlat(Surface& surface) {
+    // Triangles at a vertex whose normals round to the same lie in one plane.
+    using Key = std::tuple<uint32_t, long, long, long>;
+    std::map<Key, uint32_t> parts;
+    const std::vector<glm::vec3> given = std::move(surface.positions);
+    std::vector<uint32_t> any(given.size(), UINT32_MAX);
+    surface.positions.clear();
+    surface.normals.clear();
+    surface.splitFrom.clear();
+    auto split = [&](uint32_t from, const glm::dvec3& normal) {
+        const auto round = [](double x) { return std::lround(x * kPlaneSteps); };
+        const auto [part, fresh] = parts.try_emplace({from, round(normal.x), round(normal.y), round(normal.z)}, uint32_t(surface.positions.size()));
+        if (fresh) {
+            surface.positions.push_back(given[from]);
+            surface.normals.emplace_back(normal);
+            surface.splitFrom.push_back(from);
+        }
+        return any[from] = part->second;
+    };
+    std::vector<size_t> flatless;
+    for (size_t t = 0; t < surface.triangles.size(); ++t) {
+        auto& triangle = surface.triangles[t];
+        const glm::dvec3 p(given[triangle[0]]), n = glm::cross(glm::dvec3(given[triangle[1]]) - p, glm::dvec3(given[triangle[2]]) - p);
+        const double length = glm::length(n);
+        if (length > 0 && std::isfinite(length))
+            for (uint32_t& vertex : triangle) vertex = split(vertex, n / length);
+        else
+            flatless.push_back(t);
+    }
+    for (const size_t t : flatless)
+        for (uint32_t& vertex : surface.triangles[t]) vertex = any[vertex] != UINT32_MAX ? any[vertex] : split(vertex, {0, 1, 0});
+    surface.normalsMade = true;
+}
+
+double memoryOf(const Surface& surface) {
+    return double(surface.positions.size()) * sizeof(glm::vec3) * 2 + double(surface.triangles.size()) * sizeof(surface.triangles[0]);
+}
+
+void requireMemory(const std::string& name, const std::string& what, double bytes) {
+    static const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+    if (bytes <= machine / 2) return;
+    char text[128];
+    std::snprintf(text, sizeof text, " would take %.3g GiB, more than half of this machine's %.3g", bytes / 0x1p30, machine / 0x1p30);
+    throw Error(name + ": " + what + text);
+}
+
 void validate(const Scene& scene) {
     if (triangleCount(scene) == 0) throw Error(scene.name + ": no triangles");
+    double vertices = 0;
+    for (const Instance& instance : scene.instances) vertices += double(scene.surfaces[size_t(instance.surface)].positions.size());
+    requireMemory(scene.name, "the vertices of its " + std::to_string(scene.instances.size()) + " instances", vertices * kBytesABakedVertex);
     for (const Surface& surface : scene.surfaces) {
         for (const glm::vec3& p : surface.positions)
             if (!finite(p)) throw Error(scene.name + ": a vertex position is not a finite number");

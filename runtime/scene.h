@@ -10,14 +10,15 @@
 
 namespace apertura {
 
-struct GltfDocument;  // runtime/gltf.h
+struct GltfDocument;  // runtime/gltf_document.h
 
 // Triangles in a frame of their own; shared by instances.
 struct Surface {
     std::vector<glm::vec3> positions;  // metres
     std::vector<glm::vec3> normals;    // unit, one a position
     std::vector<std::array<uint32_t, 3>> triangles;
-    bool normalsMade = false;  // the file had none
+    bool normalsMade = false;  // not as the file has them: it has none, or none that are unit
+    std::vector<uint32_t> splitFrom;  // where vertices were split: the file's vertex that each came from; else empty
     bool twoSided = false;     // its material is seen from both sides: nothing is inside of it
     bool receives = true;      // `compare` spreads its receivers over it
 };
@@ -28,10 +29,11 @@ struct Instance {
     int node = -1, primitive = -1;  // where it stands in the glTF document, where there is one
 };
 
-// A pinhole camera. Right-handed, +Y up.
+// A pinhole camera, right-handed.
 struct Camera {
     glm::vec3 eye{0}, target{0, 0, -1};  // metres
     float verticalFov = 0.7f;            // radians
+    glm::vec3 up{0, 1, 0};               // what is up in the picture; need not be perpendicular to the view
 };
 
 struct Box {
@@ -45,6 +47,7 @@ struct Scene {
     std::optional<Camera> camera;
     std::vector<Box> receiverBoxes;    // where `compare` puts its receivers; everywhere when empty
     bool skyAboveGround = false;       // `compare` lights it from above the horizontal; or else from everywhere
+    std::vector<std::string> notes;          // what is amiss in the file but can be worked with, a line each
     std::shared_ptr<GltfDocument> document;  // the glTF that it came from, content untouched
 };
 
@@ -67,7 +70,18 @@ Camera viewOf(const Scene& scene);
 // Angle-weighted vertex normals; +Y where a vertex has no triangle of any area.
 void makeNormals(Surface& surface);
 
-// Throws Error, naming `scene.name`, unless there is a triangle and everything is finite and in range.
+// Gives each triangle its own normal: splits vertices whose triangles lie in several planes, and notes where they came
+// from in `splitFrom`. A triangle of no area takes the plane of its neighbours.
+void makeFlat(Surface& surface);
+
+// Bytes that a surface takes, about.
+double memoryOf(const Surface& surface);
+
+// Throws Error "NAME: WHAT would take ..." where that is more than half of this machine's memory.
+void requireMemory(const std::string& name, const std::string& what, double bytes);
+
+// Throws Error, naming `scene.name`, unless there is a triangle, everything is finite and in range, and what the
+// instances see fits into this machine's memory.
 void validate(const Scene& scene);
 
 }  // namespace apertura

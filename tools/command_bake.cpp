@@ -11,6 +11,8 @@
 namespace apertura {
 namespace {
 
+constexpr double kNearlyAll = 0.95;  // of the vertices that see no sky: that is worth a word
+
 struct Arguments {
     std::string scene, out, model = "sh";
     HeightMapOptions map;
@@ -22,11 +24,13 @@ struct Arguments {
 void run(const Arguments& a) {
     if (std::filesystem::path(a.out).extension() != ".glb") throw CLI::ValidationError("-o " + a.out + " does not end in .glb");
     refuseToReplaceInput(a.scene, a.out);
-    PendingFile(a.out);  // says now, not after the rays, that it cannot be written
-    const Scene scene = loadScene(a.scene, a.map);
+    // What cannot be done is said now, not after the rays.
+    PendingFile(a.out);
     BakeInfo info;
+    info.scene = a.scene.starts_with("builtin:") ? a.scene : std::filesystem::path(a.scene).filename().string();
+    requireStorable(info, a.scene);
+    const Scene scene = loadScene(a.scene, a.map);
     info.version = APERTURA_VERSION;
-    info.scene = scene.name.starts_with("builtin:") ? scene.name : std::filesystem::path(scene.name).filename().string();
     info.model = a.model;
     info.rays = a.bake.rays;
     info.bits = a.bits;
@@ -43,11 +47,17 @@ void run(const Arguments& a) {
         visibility = bakeVertices(scene, tracer, a.bake, progress, &doubts);
     }
     writeAsset(a.out, scene, visibility, info);
-    size_t vertices = 0;
-    for (const SeenByInstance& seen : visibility) vertices += seen.visibility.size();
+    size_t vertices = 0, closed = 0;
+    for (const SeenByInstance& seen : visibility) {
+        vertices += seen.visibility.size();
+        for (const Visibility& v : seen.visibility) closed += v.area <= 0;
+    }
     std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices,
                 triangleCount(scene), a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
     if (isHeightMap(a.scene) && !a.spacingGiven) std::printf("  texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise\n");
+    if (double(closed) > kNearlyAll * double(vertices))
+        std::printf("  %zu of %zu vertices see nothing of the sky: a closed room, or faces that are wound inside out\n", closed, vertices);
+    for (const std::string& note : scene.notes) std::printf("  %s\n", printable(note).c_str());
     for (const std::string& line : describe(doubts)) std::printf("  %s\n", line.c_str());
 }
 

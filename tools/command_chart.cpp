@@ -62,14 +62,16 @@ std::string radeonDriver() {
 std::vector<CompiledCost> costsOn(const char* family, const std::vector<CostCase>& cases) {
     const std::string driver = radeonDriver();
     if (driver.empty()) throw Error("Mesa's driver for Radeons (RADV) is not installed");
-    Parcel parcel = runIsolated("RADV", 900, [&](Parcel& out) {
+    std::vector<CompiledCost> costs;
+    const auto compile = [&](ParcelWriter& out) {
         setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
         setenv("VK_DRIVER_FILES", driver.c_str(), 1);
         setenv("RADV_FORCE_FAMILY", family, 1);
         const Gpu gpu({.statistics = true});
         out.put(compiledCosts(gpu, cases));
-    });
-    return parcel.take<CompiledCost>();
+    };
+    runIsolated("RADV", {900, 0x1p32}, compile, [&](ParcelReader& in) { costs = in.take<CompiledCost>(); });
+    return costs;
 }
 
 Costs measureCosts(const std::vector<CostCase>& cases) {

@@ -73,7 +73,7 @@ nlohmann::ordered_json describe(const std::string& file) {
 }
 
 void print(const nlohmann::ordered_json& d) {
-    const auto text = [&](const char* key) { return d[key].get<std::string>(); };
+    const auto text = [&](const char* key) { return printable(d[key].get<std::string>()); };
     std::printf("%s: baked by Apertura %s\n", text("file").c_str(), text("version").c_str());
     std::printf("  model         %s, %d rays a vertex, seed %u, hemisphere about the %s\n", text("model").c_str(),
                 d["rays"].get<int>(), d["seed"].get<unsigned>(), text("hemisphere").c_str());

@@ -35,6 +35,9 @@ CLI::Validator finiteRange(double low, double high);
 // folder and `otherwise` where it fails; it says itself what it lacks.
 void drawCharts(const char* script, const std::string& folder, const std::string& otherwise);
 
+// Text of a file, in one line and with nothing that a terminal takes for a command.
+std::string printable(std::string text);
+
 // Throws CLI::ValidationError where writing `out` would replace `in`.
 void refuseToReplaceInput(const std::string& in, const std::string& out);
 

@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <iostream>
 #include <new>
 
 #include "runtime/error.h"
@@ -8,10 +11,16 @@
 
 namespace {
 
-int fail(int code, std::string message) {
-    std::replace(message.begin(), message.end(), '\n', ' ');
-    std::fprintf(stderr, "apertura: %s\n", message.c_str());
+int fail(int code, const std::string& message) {
+    std::fprintf(stderr, "apertura: %s\n", apertura::printable(message).c_str());
     return code;
+}
+
+// What was printed is lost where it cannot be written, and that is a failure too.
+int finish(int code) {
+    std::cout.flush();  // of CLI11's help
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout) && std::cout) return code;
+    return code == 0 ? fail(1, std::string("standard output: cannot be written: ") + std::strerror(errno)) : code;
 }
 
 }  // namespace
@@ -34,9 +43,9 @@ int main(int argc, char** argv) {
         return fail(2, std::string("there is no verb '") + argv[1] + "' (see apertura --help)");
     try {
         program.parse(argc, argv);
-        return 0;
+        return finish(0);
     } catch (const CLI::Success& help) {
-        return program.exit(help);
+        return finish(program.exit(help));
     } catch (const CLI::ParseError& error) {
         std::string verb;
         for (const CLI::App* parsed : program.get_subcommands()) verb += parsed->get_name() + " ";

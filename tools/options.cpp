@@ -45,6 +45,12 @@ std::string modelNames() {
     return out;
 }
 
+std::string printable(std::string text) {
+    for (char& c : text)
+        if (uint8_t(c) < 0x20 || c == 0x7F) c = ' ';
+    return text;
+}
+
 void refuseToReplaceInput(const std::string& in, const std::string& out) {
     std::error_code ignored;
     if (std::filesystem::equivalent(in, out, ignored))
