@@ -81,6 +81,7 @@ std::optional<Bytes> readUri(const std::string& uri, const fs::path& folder, std
         if (!schemeOf(uri).empty()) throw refuse("is not a file in the document's own folder");
         const std::optional<std::string> decoded = decodePercent(uri);
         if (!decoded || decoded->empty() || decoded->find('\0') != std::string::npos) throw refuse("is not a file's name");
+        if (fs::path(*decoded).is_absolute()) throw refuse("is not relative to the document's own folder");
         // Decided by where the path leads, links followed: not by how it is spelt.
         std::error_code error;
         const fs::path home = fs::canonical(folder.empty() ? fs::path(".") : folder, error);

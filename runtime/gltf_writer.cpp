@@ -191,23 +191,34 @@ std::vector<std::span<const unsigned char>> GltfWriter::packBuffers() {
         uses.push_back({buffer, begin, begin + views[i]["byteLength"].get<size_t>(), i});
     }
     std::stable_sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return std::tie(a.buffer, a.begin) < std::tie(b.buffer, b.begin); });
+    // Views that overlap, or touch but for padding, stay together; in the order of the first of them.
+    std::map<size_t, std::vector<Use>> groups;
+    for (size_t i = 0; i < uses.size();) {
+        std::vector<Use> group{uses[i]};
+        size_t end = uses[i].end, foremost = uses[i].view;
+        for (++i; i < uses.size() && uses[i].buffer == group[0].buffer && uses[i].begin < end + 4; ++i) {
+            end = std::max(end, uses[i].end);
+            foremost = std::min(foremost, uses[i].view);
+            group.push_back(uses[i]);
+        }
+        groups[foremost] = std::move(group);
+    }
     std::vector<std::span<const unsigned char>> runs;
     size_t size = 0;
     auto append = [&](std::span<const unsigned char> bytes) {
         runs.push_back(bytes);
         size += bytes.size();
     };
-    for (size_t i = 0; i < uses.size();) {
-        const size_t buffer = uses[i].buffer, begin = uses[i].begin / kAlignment * kAlignment;
-        size_t end = uses[i].end, last = i;
-        // Views that overlap, or nearly touch, stay together.
-        while (last + 1 < uses.size() && uses[last + 1].buffer == buffer && uses[last + 1].begin <= end + kAlignment) end = std::max(end, uses[++last].end);
+    for (const auto& [view, group] : groups) {
+        const size_t begin = group[0].begin / kAlignment * kAlignment;
+        size_t end = 0;
         append({zeros, (kAlignment - size % kAlignment) % kAlignment});
-        for (; i <= last; ++i) {
-            views[uses[i].view]["buffer"] = 0;
-            views[uses[i].view]["byteOffset"] = size + uses[i].begin - begin;
+        for (const Use& use : group) {
+            views[use.view]["buffer"] = 0;
+            views[use.view]["byteOffset"] = size + use.begin - begin;
+            end = std::max(end, use.end);
         }
-        append(std::span(*buffers_[buffer]).subspan(begin, end - begin));
+        append(std::span(*buffers_[group[0].buffer]).subspan(begin, end - begin));
     }
     append({zeros, (4 - size % 4) % 4});
     // What buffers held besides: of the first it stays, others' moves to a list.

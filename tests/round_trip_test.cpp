@@ -1,0 +1,289 @@
+// What a glTF file held comes out of a bake as it was, value by value, but for what baking is there to change.
+#include <algorithm>
+#include <regex>
+
+#include "bake/bake.h"
+#include "bake/load.h"
+#include "bake/measure.h"
+#include "runtime/asset.h"
+#include "runtime/file.h"
+#include "runtime/gltf.h"
+#include "runtime/gltf_document.h"
+#include "runtime/view.h"
+#include "tests/gltf_text.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+Json jsonOf(const std::string& path) {
+    const Bytes bytes = readFile(path);
+    const GltfContainer container = splitContainer(bytes, path);
+    return Json::parse(container.json.begin(), container.json.end());
+}
+
+// Every vertex closed: what is compared is all the rest.
+BakedVisibility closedEverywhere(const Scene& scene) {
+    BakedVisibility out;
+    for (const Instance& instance : scene.instances) out.push_back({std::vector<Visibility>(scene.surfaces[size_t(instance.surface)].positions.size()), {}});
+    return out;
+}
+
+// Where baking changes what stands there: checked by bytes, or by tests of their own.
+bool isOurs(const std::string& at) {
+    static const std::regex ours("/asset/generator|/buffers.*|/bufferViews/\\d+/(buffer|byteOffset|extensions/EXT_meshopt_compression.*)|/images/\\d+/uri"
+                                 "|/nodes/\\d+/mesh|/extensions(Used|Required).*");
+    return std::regex_match(at, ours);
+}
+
+// What of `in` is not in `out`.
+void compare(const Json& in, const Json& out, const std::string& at, std::vector<std::string>& missing) {
+    if (isOurs(at)) return;
+    if (in.is_object() && out.is_object()) {
+        for (const auto& [key, value] : in.items()) {
+            const std::string below = at + "/" + key;
+            if (isOurs(below)) continue;
+            if (out.contains(key))
+                compare(value, out[key], below, missing);
+            else if (!(key == "extensions" && value.contains("EXT_meshopt_compression")))
+                missing.push_back(below);
+        }
+    } else if (in.is_array() && out.is_array() && out.size() >= in.size()) {
+        for (size_t i = 0; i < in.size(); ++i) compare(in[i], out[i], at + "/" + std::to_string(i), missing);
+    } else if (in != out || in.dump() != out.dump()) {
+        missing.push_back(at + ": " + in.dump() + " became " + out.dump());
+    }
+}
+
+// Whether vertices or nodes are spelled out, so that accessors make room for others.
+bool isRebuilt(const Scene& scene, const Json& in) {
+    const bool flat = std::any_of(scene.surfaces.begin(), scene.surfaces.end(), [](const Surface& s) { return s.normalsMade; });
+    return flat || in.dump().find("EXT_mesh_gpu_instancing") != std::string::npos;
+}
+
+// Bakes nothing into a copy and compares; whether accessors could be compared too.
+bool expectKept(const std::string& path) {
+    const Folder folder;
+    const std::string written = folder / "o.glb";
+    const Scene scene = readGltf(path);
+    writeAsset(written, scene, closedEverywhere(scene), {});
+    Json in = jsonOf(path), out = jsonOf(written);
+    const bool rebuilt = isRebuilt(scene, in);
+    if (rebuilt)
+        for (const char* key : {"accessors", "bufferViews", "meshes", "nodes"}) in.erase(key);
+    std::vector<std::string> missing;
+    compare(in, out, "", missing);
+    EXPECT_TRUE(missing.empty()) << path << ": " << missing.size() << ", first " << missing.front();
+    const Scene back = readGltf(written);
+    EXPECT_EQ(back.instances.size(), scene.instances.size()) << path;
+    for (size_t i = 0; i < std::min(back.instances.size(), scene.instances.size()); ++i) {
+        const Surface &a = scene.surfaces[size_t(scene.instances[i].surface)], &b = back.surfaces[size_t(back.instances[i].surface)];
+        EXPECT_EQ(a.positions, b.positions) << path;
+        EXPECT_EQ(a.triangles, b.triangles) << path;
+        EXPECT_EQ(a.twoSided, b.twoSided) << path;
+        EXPECT_EQ(scene.instances[i].toWorld, back.instances[i].toWorld) << path;
+    }
+    if (!rebuilt)
+        for (size_t i = 0; i < listOf(in, "accessors").size(); ++i) {
+            const std::vector<uint32_t> first{0};
+            if (accessorCount(*scene.document, i) == 0) continue;
+            EXPECT_EQ(gatherAccessor(*scene.document, i, first).bytes, gatherAccessor(*back.document, i, first).bytes) << path << " accessor " << i;
+        }
+    for (size_t i = 0; i < scene.document->images.size(); ++i)
+        if (!scene.document->images[i]->empty()) {
+            const auto bytes = viewBytes(*back.document, back.document->json["images"][i]["bufferView"].get<size_t>());
+            EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), scene.document->images[i]->begin(), scene.document->images[i]->end())) << path;
+        }
+    return !rebuilt;
+}
+
+const char* const kNormals = R"({"bufferView":0,"byteOffset":48,"componentType":5126,"type":"VEC3","count":4})";
+std::vector<float> squareWithNormals() {
+    std::vector<float> data = kSquare;
+    for (int i = 0; i < 4; ++i) data.insert(data.end(), {0, 0, 1});
+    return data;
+}
+const char* const kView96 = R"({"buffer":0,"byteLength":96})";
+const char* const kBoth = R"({"attributes":{"POSITION":0,"NORMAL":1},"mode":6})";
+
+TEST(RoundTrip, OddValuesComeOutAsTheyWere) {
+    const Folder folder;
+    const std::string odd = R"({"large":9007199254740993,"larger":18446744073709551615,"least":-9223372036854775808,"list":[null,{},[],[null],""],"none":null,"empty":{},"nothing":[],"real":0.1,"tiny":1e-300,"text":"\u0000\u001b[31m\ud83d\ude00"})";
+    const std::string extras = R"("extras":)" + odd;
+    const std::string node = R"({"mesh":0,"extensions":{"VENDOR_thing":)" + odd + "}," + extras + R"(,"unheard":[null]},{"camera":0,"matrix":[-0.9993908270190958,-0.03489949670250097,0,0,0.03489949670250097,-0.9993908270190958,0,0,0,0,1,0,0,0,5,1]})";
+    const std::string extra = R"(,"cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}],"extensionsUsed":["VENDOR_thing"],"extensions":{"VENDOR_thing":)" + odd
+                              + "}," + extras + R"(,"skins":[],"materials":[{"pbrMetallicRoughness":{"roughnessFactor":1.0},)" + extras + "}]";
+    std::string text = gltf(squareWithNormals(), R"({"buffer":0,"byteLength":96,)" + extras + "}", std::string(kVec3) + "," + kNormals, kBoth, node, extra);
+    text.replace(text.find("\"nodes\":[0]"), 11, "\"nodes\":[0,1]");
+    text.replace(text.find("\"uri\":\"data"), 5, extras + ",\"uri\"");
+    const std::string path = folder.write("odd.gltf", text);
+    EXPECT_TRUE(expectKept(path));
+    const Scene scene = readGltf(path);
+    writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
+    const Json out = jsonOf(folder / "o.glb");
+    EXPECT_EQ(out["buffers"][0]["extras"].dump(), Json::parse(odd).dump());
+    // The camera's roll of 178 degrees: what is up in its picture.
+    const Scene back = readGltf(folder / "o.glb");
+    ASSERT_TRUE(back.camera);
+    EXPECT_NEAR(back.camera->up.y, std::cos(178 * kPi / 180), 1e-5);
+    EXPECT_NEAR(back.camera->up.x, std::sin(178 * kPi / 180), 1e-5);
+    const glm::vec3 top = rayThrough(*back.camera, 1, 0.5, 0), middle = rayThrough(*back.camera, 1, 0.5, 0.5);
+    EXPECT_LT(top.y, middle.y) << "drawn upside down, as the file has it";
+}
+
+TEST(RoundTrip, WhatSeveralBuffersHeldIsKept) {
+    const Folder folder;
+    folder.write("b.bin", std::string(16, 'b'));
+    std::string text = gltf(squareWithNormals(), std::string(kView96) + R"(,{"buffer":1,"byteOffset":4,"byteLength":8,"name":"rest"})", std::string(kVec3) + "," + kNormals, kBoth);
+    text.replace(text.find("}],\"bufferViews\""), 1, R"(},{"byteLength":16,"uri":"b.bin","name":"second","extras":{"x":[null]}})");
+    const std::string path = folder.write("two.gltf", text);
+    EXPECT_TRUE(expectKept(path));
+    for (int bakes = 0; bakes < 2; ++bakes) {
+        const Scene scene = readGltf(bakes ? folder / "o.glb" : path);
+        writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
+        const Json out = jsonOf(folder / "o.glb");
+        EXPECT_EQ(out["asset"]["extras"]["apertura"]["mergedBuffers"].dump(), R"([{"buffer":1,"content":{"extras":{"x":[null]},"name":"second"}}])");
+        const GltfDocument back = readGltfDocument(folder / "o.glb");
+        const auto rest = viewBytes(back, 1);
+        EXPECT_EQ(std::string(rest.begin(), rest.end()), "bbbbbbbb");
+    }
+}
+
+TEST(RoundTrip, RealFilesComeOutAsTheyWere) {
+    NEEDS_DATA();
+    int whole = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(dataFolder())) {
+        const std::string path = entry.path().string(), ending = entry.path().extension().string();
+        // Draco is refused; the teapots are large, and tested for their counts elsewhere.
+        if (path.find("malformed") != std::string::npos || path.find("Draco") != std::string::npos || path.find("teapots") != std::string::npos) continue;
+        if (ending == ".gltf" || ending == ".glb") whole += expectKept(path);
+    }
+    EXPECT_GE(whole, 7);
+}
+
+TEST(RoundTrip, BakingAgainReplaces) {
+    const Folder folder;
+    const std::string odd = folder.write("a.gltf", gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth, R"({"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[0,0,1]})"));
+    auto bake = [&](const std::string& from, const char* model, int bits) {
+        const Scene scene = readGltf(from);
+        const Tracer tracer(scene);
+        BakeOptions options;
+        options.recipe = model;
+        options.rays = 16;
+        BakeInfo info;
+        info.model = model;
+        info.bits = bits;
+        writeAsset(folder / "o.glb", scene, bakeVertices(scene, tracer, options), info);
+        return fs::file_size(folder / "o.glb");
+    };
+    for (const auto& [model, bits] : {std::pair("firm-2", 8), std::pair("sh", 8), std::pair("soft-2", 16)}) {
+        const auto once = bake(odd, model, bits);
+        const std::string first = jsonOf(folder / "o.glb").dump();
+        for (int again = 0; again < 3; ++again) {
+            EXPECT_EQ(bake(folder / "o.glb", model, bits), once) << model;
+            EXPECT_EQ(jsonOf(folder / "o.glb").dump(), first) << model;
+        }
+        // From a model that stores more: its stream goes.
+        bake(folder / "o.glb", "firm-4", 16);
+        EXPECT_EQ(bake(folder / "o.glb", model, bits), once) << "from firm-4 to " << model;
+    }
+    // An extension that nobody here knows may hold indices: the places of the others stay.
+    std::string unknown = gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth, R"({"mesh":0})", R"(,"extensionsUsed":["VENDOR_thing"],"extensions":{"VENDOR_thing":{"accessor":1}})");
+    bake(folder.write("b.gltf", unknown), "firm-4", 16);
+    const auto once = bake(folder / "o.glb", "sh", 8);
+    const std::string first = jsonOf(folder / "o.glb").dump();
+    EXPECT_EQ(bake(folder / "o.glb", "sh", 8), once);
+    EXPECT_EQ(jsonOf(folder / "o.glb").dump(), first);
+    EXPECT_EQ(readAsset(folder / "o.glb").seen[0].visibility.size(), 4u);
+}
+
+TEST(RoundTrip, CompressedBytesGoOnceTheyAreDecoded) {
+    NEEDS_DATA();
+    const Folder folder;
+    const std::string path = (dataFolder() / "gltf/Duck_meshopt_quantized_vp12.glb").string();
+    const Scene scene = readGltf(path);
+    writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
+    // Each vertex: 8 bytes of position, 4 of texture coordinates, 12 of normals made unit, 4 of ours; indices of 2 bytes.
+    size_t views = 0;
+    const Json out = jsonOf(folder / "o.glb");
+    for (const Json& view : out["bufferViews"]) views += view["byteLength"].get<size_t>();
+    EXPECT_LT(fs::file_size(folder / "o.glb"), views + 24000);  // a texture and the JSON
+    EXPECT_LT(fs::file_size(folder / "o.glb"), 150000u);
+    const Scene back = readGltf(folder / "o.glb");
+    for (const glm::vec3& n : back.surfaces[0].normals) EXPECT_NEAR(glm::length(n), 1, 1e-5);
+}
+
+TEST(RoundTrip, AMeshOfAnotherSceneKeepsItsOwn) {
+    const Folder folder;
+    std::string text = gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth, R"({"mesh":0},{"mesh":0,"name":"elsewhere"})");
+    text.replace(text.find("\"scenes\":[{\"nodes\":[0]}]"), 24, "\"scenes\":[{\"nodes\":[0]},{\"nodes\":[1]}]");
+    for (const char* which : {"0", "1"}) {
+        std::string chosen = text;
+        chosen.replace(chosen.find("\"scene\":0"), 9, std::string("\"scene\":") + which);
+        const Scene scene = readGltf(folder.write("a.gltf", chosen));
+        writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
+        const Json out = jsonOf(folder / "o.glb");
+        const size_t baked = size_t(which[0] - '0');
+        const auto attributes = [&](size_t node) { return out["meshes"][out["nodes"][node]["mesh"].get<size_t>()]["primitives"][0]["attributes"]; };
+        EXPECT_TRUE(attributes(baked).contains("_VISIBILITY"));
+        EXPECT_FALSE(attributes(1 - baked).contains("_VISIBILITY"));
+    }
+}
+
+TEST(RoundTrip, PrimitivesWithoutNormalsAreFlat) {
+    const Folder folder;
+    // A cube of 8 vertices, with a byte of a colour and a morph target for each, and a vertex that no face uses.
+    std::vector<float> data;
+    for (int i = 0; i < 8; ++i) data.insert(data.end(), {float(i & 1), float(i >> 1 & 1), float(i >> 2)});
+    data.insert(data.end(), {9, 9, 9});
+    const unsigned char faces[] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    unsigned char rest[36 + 36] = {};
+    std::memcpy(rest, faces, 36);
+    for (int i = 0; i < 9; ++i) rest[36 + 4 * i] = static_cast<unsigned char>(10 * i);
+    data.resize(27 + 18);
+    std::memcpy(&data[27], rest, sizeof rest);
+    const std::string views = R"({"buffer":0,"byteLength":108,"byteStride":12},{"buffer":0,"byteOffset":108,"byteLength":36},{"buffer":0,"byteOffset":144,"byteLength":36,"byteStride":4})";
+    const std::string accessors = R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":9,"min":[0,0,0],"max":[9,9,9],"name":"corners"},{"bufferView":1,"componentType":5121,"type":"SCALAR","count":36},)"
+                                  R"({"bufferView":2,"componentType":5121,"type":"VEC4","count":9,"normalized":true})";
+    const Scene scene = readGltf(folder.write("cube.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"COLOR_0":2},"indices":1,"targets":[{"POSITION":0}],"mode":4})")));
+    ASSERT_EQ(scene.surfaces[0].positions.size(), 24u);
+    for (const auto& t : scene.surfaces[0].triangles) {
+        const auto& p = scene.surfaces[0].positions;
+        const glm::vec3 n = glm::normalize(glm::cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]));
+        for (const uint32_t v : t) EXPECT_GT(glm::dot(n, scene.surfaces[0].normals[v]), 0.99999f);
+    }
+    writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
+    const Scene back = readGltf(folder / "o.glb");
+    EXPECT_FALSE(back.surfaces[0].normalsMade);
+    EXPECT_EQ(back.surfaces[0].positions, scene.surfaces[0].positions);
+    const Json primitive = back.document->json["meshes"][0]["primitives"][0];
+    const auto colours = readAccessor(*back.document, primitive["attributes"]["COLOR_0"].get<size_t>(), 4);
+    const auto moved = readAccessor(*back.document, primitive["targets"][0]["POSITION"].get<size_t>(), 3);
+    for (size_t i = 0; i < 24; ++i) {
+        const glm::vec3 p = back.surfaces[0].positions[i];
+        EXPECT_NEAR(colours[4 * i] * 255, 10 * (p.x + 2 * p.y + 4 * p.z), 1e-3) << "the colour of another corner";
+        EXPECT_EQ(glm::vec3(moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]), p);
+    }
+    const Json& corners = back.document->json["accessors"][primitive["attributes"]["POSITION"].get<size_t>()];
+    EXPECT_EQ(corners["max"].dump(), "[1.0,1.0,1.0]");
+    EXPECT_EQ(corners["name"], "corners");
+    EXPECT_EQ(back.document->json["accessors"].size(), 6u) << "the replaced accessors are gone";
+    // As a cube of 24 vertices with normals of their own is: what .obj files give.
+    const Scene obj = loadScene(folder.write("cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"));
+    MeasureOptions options;
+    options.models = {findModel("soft")};
+    options.lightRadii = {5};
+    options.receivers = 100;
+    double errors[2];
+    for (const Scene* cube : {&back, &obj}) {
+        const Tracer tracer(*cube);
+        Asset asset{*cube, bakeVertices(*cube, tracer, {}), {}};
+        errors[cube == &obj] = measureAsset(asset, options).rows[0].rmse;
+    }
+    EXPECT_NEAR(errors[0], errors[1], 0.1 * errors[1]);
+}
+
+}  // namespace
+}  // namespace apertura::test
