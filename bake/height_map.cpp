@@ -1,3 +1,5 @@
+#include "bake/height_map.h"
+
 #include <Imath/half.h>
 #include <OpenImageIO/imageio.h>
 
@@ -8,11 +10,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
 #include "bake/isolated.h"
-#include "bake/load.h"
 #include "runtime/error.h"
 
 namespace apertura {
@@ -20,12 +22,8 @@ namespace {
 
 constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
 constexpr float kHighest = 100e3f;  // metres; Olympus Mons rises 22 km
+constexpr double kMostTexelsAByte = 4096;  // four times what deflate makes of zeros
 constexpr int64_t kMostTexels = int64_t(1) << 26;  // 8192 squared; more would not fit into a .glb
-
-struct HeightMap {
-    int width = 0, height = 0;
-    std::vector<float> values;  // row by row from the north-west; NaN where there is no data
-};
 
 std::string oneLine(std::string cause) {
     std::replace(cause.begin(), cause.end(), '\n', ' ');
@@ -95,6 +93,8 @@ void requirePlausible(const std::vector<float>& heights) {
         }
 }
 
+}  // namespace
+
 HeightMap readHeights(const std::string& path, const HeightMapOptions& options) {
     OIIO::ImageSpec hints, opened;
     hints.attribute("oiio:UnassociatedAlpha", 1);
@@ -108,8 +108,12 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
     if (spec.width < 2 || spec.height < 2)
         throw Error("a height map needs at least 2 x 2 texels, this has " + std::to_string(spec.width) + " x "
                     + std::to_string(spec.height));
-    if (int64_t(spec.width) * spec.height > kMostTexels)
-        throw Error("" + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " texels are too many");
+    const int64_t texels = int64_t(spec.width) * spec.height;
+    const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " texels are ";
+    if (texels > kMostTexels) throw Error(size + "too many");
+    // A file of a few bytes can claim any size.
+    if (double(texels) > kMostTexelsAByte * double(std::filesystem::file_size(path)))
+        throw Error(size + "more than a file of its size can hold");
     const int channels = spec.nchannels;
     if (options.terrainRgb && (channels < 3 || spec.format != OIIO::TypeDesc::UINT8))
         throw Error("Terrain-RGB needs three 8-bit channels");
@@ -118,19 +122,21 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
                     + " channels where a height map has one; where colours pack heights as Terrain-RGB does, give --terrain-rgb");
     if (channels > 16) throw Error("has too many channels");
 
-    // A file of a few bytes can claim any size: memory follows what can be read.
-    const size_t rowBytes = size_t(spec.width) * channels * spec.format.size();
-    const bool tiled = spec.tile_width > 0;
-    std::vector<unsigned char> raw(tiled ? rowBytes * spec.height : rowBytes);
+    // Row after row, of texels or of tiles.
+    const int rows = spec.tile_width > 0 ? std::clamp(spec.tile_height, 1, spec.height) : 1;
+    std::vector<unsigned char> raw(size_t(spec.width) * channels * spec.format.size() * rows);
     HeightMap map{spec.width, spec.height, {}};
     const float nothing = in->format_name() == std::string("tiff") ? noDataValue(path) : kVoid;
-    if (tiled && !in->read_image(0, 0, 0, channels, spec.format, raw.data()))
-        throw Error("cannot be read: " + oneLine(in->geterror()));
     for (int y = 0; y < spec.height; ++y) {
-        if (!tiled && !in->read_scanline(spec.y + y, 0, spec.format, raw.data()))
-            throw Error("cannot be read: " + oneLine(in->geterror()));
+        if (y % rows == 0) {
+            const int first = spec.y + y, end = spec.y + std::min(y + rows, spec.height);
+            const bool read = spec.tile_width > 0
+                                  ? in->read_tiles(0, 0, spec.x, spec.x + spec.width, first, end, 0, 1, 0, channels, spec.format, raw.data())
+                                  : in->read_scanline(first, 0, spec.format, raw.data());
+            if (!read) throw Error("cannot be read: " + oneLine(in->geterror()));
+        }
         for (int x = 0; x < spec.width; ++x) {
-            const size_t texel = (tiled ? size_t(y) * spec.width : 0) + x;
+            const size_t texel = size_t(y % rows) * spec.width + x;
             auto value = [&](int c) {
                 return component(&raw[(texel * channels + c) * spec.format.size()], spec.format);
             };
@@ -144,8 +150,6 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
     if (options.terrainRgb) requirePlausible(map.values);
     return map;
 }
-
-}  // namespace
 
 Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
     HeightMap map;

@@ -3,8 +3,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -198,6 +199,82 @@ TEST(Cli, AnInterruptLeavesNothing) {
     EXPECT_EQ(folder.files(), 0u);
 }
 
+TEST(Cli, WhatCannotBeWrittenIsSaidBeforeTheWork) {
+    const Folder folder;
+    const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", latin = "caf\xe9";
+    const std::string scene = folder.write(latin + ".obj", text), plain = folder.write("a.obj", text), out = folder / "o.glb";
+    // The rays would take minutes.
+    const auto start = std::chrono::steady_clock::now();
+    expectRefusal("bake " + scene + " -o " + out + " --rays 1048576", 1, latin + ".obj");
+    expectRefusal("bake builtin:terrain -o " + (folder / std::string(252, 'n')) + ".glb --rays 1048576", 1, "name too long");
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+    EXPECT_EQ(folder.files(), 2u);
+    EXPECT_EQ(run("bake " + plain + " -o " + (folder / latin) + ".glb --rays 4").code, 0) << "the name of an asset need not be UTF-8: it is not in it";
+    EXPECT_EQ(run("bake " + plain + " -o " + (folder / std::string(251, 'n')) + ".glb --rays 4").code, 0);
+    EXPECT_EQ(folder.files(), 4u);
+}
+
+TEST(Cli, OutputThatCannotBeWrittenIsAFailure) {
+    const Folder folder;
+    const std::string glb = folder / "o.glb";
+    ASSERT_EQ(run("bake " + folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n") + " -o " + glb + " --rays 4").code, 0);
+    for (const std::string& arguments : {"info --json " + glb, "info " + glb, "compare " + glb + " --receivers 2 --models soft", std::string("--help"), std::string("bake --help")}) {
+        const std::string command = std::string(APERTURA_PROGRAM) + " " + arguments + " >/dev/full 2>" + (folder / "err");
+        const int status = std::system(command.c_str());
+        EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
+        EXPECT_NE(slurp(folder / "err").find("standard output"), std::string::npos) << slurp(folder / "err");
+    }
+}
+
+TEST(Cli, WhatAKilledBakeLeftGoesWithTheNext) {
+    const Folder folder;
+    const std::string out = folder / "o.glb", scene = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    // Killed while it holds its temporary file: as soon as that is there.
+    const std::string again = "bake " + scene + " -o " + out + " --rays 4";
+    for (int i = 0; i < 3; ++i) {
+        const pid_t pid = fork();
+        if (pid == 0) {
+            execl(APERTURA_PROGRAM, APERTURA_PROGRAM, "bake", "builtin:forest", "-o", out.c_str(), "--rays", "1", nullptr);
+            _exit(99);
+        }
+        for (int wait = 0; wait < 4000 && folder.files() < 2; ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        kill(pid, SIGKILL);
+        waitpid(pid, nullptr, 0);
+        ASSERT_EQ(run(again).code, 0);
+        EXPECT_EQ(folder.files(), 2u) << "the scene and the asset";
+        fs::remove(out);
+    }
+    // Certain to be there: a name as a killed run leaves it.
+    folder.write(".o.apertura-0badcafe.glb", "half");
+    ASSERT_EQ(run(again).code, 0);
+    EXPECT_EQ(folder.files(), 2u);
+}
+
+TEST(Cli, SaysThatAnInsideOutMeshIsClosed) {
+    const Folder folder;
+    const char* const faces[] = {"f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n",
+                                 "f 4 3 1\nf 2 4 1\nf 8 6 5\nf 7 8 5\nf 6 2 1\nf 5 6 1\nf 8 7 3\nf 4 8 3\nf 7 5 1\nf 3 7 1\nf 8 4 2\nf 6 8 2\n"};
+    for (const int inside : {0, 1}) {
+        const std::string path = folder.write("a.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n") + faces[inside]);
+        const Result r = run("bake " + path + " -o " + (folder / "o.glb") + " --rays 64");
+        EXPECT_EQ(r.code, 0);
+        EXPECT_EQ(r.out.find("wound inside out") != std::string::npos, inside == 1) << r.out;
+    }
+}
+
+TEST(Cli, MutantsEndInOneLine) {
+    const std::string program = APERTURA_PROGRAM;
+    const Folder folder;
+#ifdef __SANITIZE_ADDRESS__
+    const char* runs = "60";
+#else
+    const char* runs = "300";
+#endif
+    const std::string command = std::string("/usr/bin/python3 " APERTURA_SOURCE "/tests/mutants.py ") + program + " --jobs 2 --runs " + runs + " --keep "
+                              + (std::filesystem::temp_directory_path() / "apertura-mutants").string() + " >" + (folder / "log") + " 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << slurp(folder / "log");
+}
+
 TEST(Cli, AssetsPassTheKhronosValidator) {
     if (!std::getenv("GLTF_VALIDATOR")) GTEST_SKIP() << "the Khronos glTF validator is not here (tools/test installs it)";
     const Folder folder;
@@ -207,7 +284,7 @@ TEST(Cli, AssetsPassTheKhronosValidator) {
         for (const char* file : {"gltf/BoxInterleaved.glb", "gltf/CesiumMilkTruck.glb", "gltf/CesiumMilkTruck_quantized.glb",
                                  "gltf/MultiUVTest/MultiUVTest.gltf", "gltf/SimpleMeshes_embedded.gltf",
                                  "gltf/SimpleSparseAccessor_embedded.gltf", "gltf/PrimitiveMode/Mesh_PrimitiveMode_04.gltf",
-                                 "gltf/VirtualCity_geom.glb", "arch/cornell_box.obj"})
+                                 "gltf/VirtualCity_geom.glb", "gltf/Duck_meshopt_quantized_vp12.glb", "arch/cornell_box.obj"})
             scenes.push_back((dataFolder() / file).string());
     for (const std::string& scene : scenes)
         for (const char* bits : {"8", "16"}) {
