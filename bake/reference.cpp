@@ -26,7 +26,7 @@ public:
         std::vector<CapLight> caps;
         glm::vec3 irradiance(0);
         for (const Light& light : view_.lights) {
-            const CapLight cap = lightSeenFrom(hit->position, light);
+            const CapLight cap = capSeenFrom(hit->position, light);
             irradiance += fromLight(light, cap, origin, hit->normal, sample, caps.size());
             caps.push_back(cap);
         }
@@ -38,12 +38,22 @@ private:
     glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::dvec3& origin, const glm::vec3& normal,
                         uint64_t sample, size_t index) {
         const glm::mat3 frame = frameAbout(cap.axis, 2 * kPi * hashUnit(options_.seed, sample, 2 + index));
-        const float reach = light.place.w > 0 ? std::max(float(glm::length(glm::dvec3(light.place) - origin)) - light.shape.z, 0.0f) : kNoLimit;
         rays_.clear();
+        reach_.clear();
         for (const glm::vec3& w : capLattice(options_.lightRays, cap.height))
-            if (const glm::vec3 d = frame * w; glm::dot(d, normal) > 0) rays_.push_back(d);
-        const double cosines = openCosines(origin, normal, reach, {});
+            if (const glm::vec3 d = frame * w; glm::dot(d, normal) > 0) {
+                rays_.push_back(d);
+                reach_.push_back(isSphere(light) ? distanceTo(light.sphere, origin, d) : kNoLimit);
+            }
+        const double cosines = openCosines(origin, normal, {});
         return float(cosines * 2 * kPi * cap.height / options_.lightRays) * vec3(light.radiance);
+    }
+
+    // Metres along a ray (unit) to where it meets a sphere, or comes nearest to it.
+    static float distanceTo(const vec4& sphere, const glm::dvec3& origin, const glm::dvec3& ray) {
+        const glm::dvec3 toCentre = glm::dvec3(sphere) - origin;
+        const double along = glm::dot(toCentre, ray), aside = glm::dot(toCentre, toCentre) - along * along;
+        return float(std::max(along - std::sqrt(std::max(double(sphere.w) * sphere.w - aside, 0.0)), 0.0));
     }
 
     // The sky is everywhere but where a light stands in front of it.
@@ -51,12 +61,14 @@ private:
         const glm::mat3 frame = frameAbout(normal, 2 * kPi * hashUnit(options_.seed, sample, 1));
         rays_.clear();
         for (const glm::vec3& w : sky_) rays_.push_back(frame * w);
-        return float(openCosines(origin, normal, kNoLimit, caps) * 2 * kPi / options_.skyRays) * view_.sky;
+        reach_.assign(rays_.size(), kNoLimit);
+        return float(openCosines(origin, normal, caps) * 2 * kPi / options_.skyRays) * view_.sky;
     }
 
-    double openCosines(const glm::dvec3& origin, const glm::vec3& normal, float reach, const std::vector<CapLight>& skip) {
+    // The sum of the cosines of those rays_ that nothing blocks within their reach_, and that no cap of `skip` holds.
+    double openCosines(const glm::dvec3& origin, const glm::vec3& normal, const std::vector<CapLight>& skip) {
         blocked_.resize(rays_.size());
-        tracer_.occluded(origin, rays_, reach, blocked_.data());
+        tracer_.occluded(origin, rays_, reach_, blocked_.data());
         double sum = 0;
         for (size_t i = 0; i < rays_.size(); ++i) {
             bool counts = !blocked_[i];
@@ -70,6 +82,7 @@ private:
     const View& view_;
     const ReferenceOptions& options_;
     std::vector<glm::vec3> sky_, rays_;
+    std::vector<float> reach_;  // metres, of each ray
     std::vector<uint8_t> blocked_;
 };
 

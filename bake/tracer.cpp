@@ -7,6 +7,7 @@
 #endif
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -150,8 +151,13 @@ double Tracer::offset(const glm::dvec3& position, double longest) const {
 
 double Tracer::offset() const { return offset(impl_->centre); }
 
-void Tracer::occluded(const glm::dvec3& world, std::span<const glm::vec3> directions, float distance,
+void Tracer::occluded(const glm::dvec3& world, std::span<const glm::vec3> directions, float distance, uint8_t* blocked) const {
+    occluded(world, directions, {&distance, 1}, blocked);
+}
+
+void Tracer::occluded(const glm::dvec3& world, std::span<const glm::vec3> directions, std::span<const float> distances,
                       uint8_t* blocked) const {
+    assert(distances.size() == 1 || distances.size() == directions.size());
 #if RTC_VERSION_MAJOR >= 4
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
@@ -163,18 +169,22 @@ void Tracer::occluded(const glm::dvec3& world, std::span<const glm::vec3> direct
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
 #endif
     const glm::vec3 origin = impl_->toRays(world);
-    const float reach = distance < kNoLimit ? float(distance * impl_->scale) : kNoLimit;
+    const auto reach = [&](size_t i) {
+        const float distance = distances[std::min(i, distances.size() - 1)];
+        return distance < kNoLimit ? float(distance * impl_->scale) : kNoLimit;
+    };
     constexpr size_t lanes = 16;
     RTCRay16 rays;
     alignas(64) int valid[lanes];
     for (size_t first = 0; first < directions.size(); first += lanes) {
         const size_t count = std::min(lanes, directions.size() - first);
         for (size_t i = 0; i < lanes; ++i) {
-            const glm::vec3& d = directions[first + std::min(i, count - 1)];
+            const size_t ray = first + std::min(i, count - 1);
+            const glm::vec3& d = directions[ray];
             valid[i] = i < count ? -1 : 0;
             rays.org_x[i] = origin.x, rays.org_y[i] = origin.y, rays.org_z[i] = origin.z;
             rays.dir_x[i] = d.x, rays.dir_y[i] = d.y, rays.dir_z[i] = d.z;
-            rays.tnear[i] = 0, rays.tfar[i] = reach;
+            rays.tnear[i] = 0, rays.tfar[i] = reach(ray);
             rays.time[i] = 0, rays.mask[i] = ~0u, rays.flags[i] = 0, rays.id[i] = 0;
         }
 #if RTC_VERSION_MAJOR >= 4

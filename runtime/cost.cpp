@@ -45,7 +45,7 @@ public:
 
     VkPipeline pipeline(size_t i) const { return pipelines_[i]; }
     void setLight(float sinRadius) {
-        const Light light = lightFrom(capLight(vec3(0.6f, 0.64f, 0.48f), sinRadius), vec3(1));
+        const Light light{capLight(vec3(0.6f, 0.64f, 0.48f), sinRadius), vec4(0), vec4(1)};
         std::memcpy(light_->data(), &light, sizeof light);
     }
     void dispatch(VkCommandBuffer commands, size_t i) const {

@@ -115,13 +115,13 @@ VkPipeline Renderer::pipeline(const Model& model, int size, const GpuBindings& b
 Picture Renderer::draw(const View& view, const Model& model) {
     int size = LIGHTS_SUN;
     for (const Light& light : view.lights)
-        size = std::min(size, light.place.w > 0 ? LIGHTS_ANY : lightsOf(light.shape.x));
+        size = std::min(size, isSphere(light) ? LIGHTS_ANY : lightsOf(light.cap.sinRadius));
     const GpuBindings& bindings = *forms(model).bindings;
     return picture(view, pipeline(model, size, bindings), bindings, {});
 }
 
 Picture Renderer::drawShadowMapped(const View& view) {
-    if (view.lights.size() != 1 || view.lights[0].place.w > 0) throw Error("a shadow map is drawn of one light from a direction");
+    if (view.lights.size() != 1 || isSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
     if (!shadow_) shadow_ = std::make_unique<ShadowMap>(gpu_, *frame_, *vertices_, *indices_, worldBounds(asset_.scene));
     shadow_->aim(view.lights[0]);
     return picture(view, shadow_->pipeline(), shadow_->bindings(), [&](VkCommandBuffer commands) { shadow_->draw(commands, indexCount_); });

@@ -46,7 +46,7 @@ ShadowMap::~ShadowMap() {
 }
 
 void ShadowMap::aim(const Light& light) {
-    const vec3 towards(light.place), right = tangentTo(towards), up = cross(towards, right);
+    const vec3 towards(light.cap.axis), right = tangentTo(towards), up = cross(towards, right);
     vec3 low(1e30f), high(-1e30f);
     for (int corner = 0; corner < 8; ++corner) {
         const vec3 p(corner & 1 ? bounds_.high.x : bounds_.low.x, corner & 2 ? bounds_.high.y : bounds_.low.y,
@@ -64,7 +64,7 @@ void ShadowMap::aim(const Light& light) {
     view.right = vec4(right, 1 / size.x);
     view.up = vec4(up, 1 / size.y);
     view.towards = vec4(towards, 1 / size.z);
-    const float s = light.shape.x;
+    const float s = light.cap.sinRadius;
     view.shape = vec4(s / std::sqrt(std::max(1 - s * s, 1e-6f)), kTexels, std::max(size.x, size.y) / kTexels, 0);
     std::memcpy(view_->data(), &view, sizeof view);
 }

@@ -18,12 +18,12 @@ glm::dmat3 cameraFrame(const Camera& camera) {
 
 }  // namespace
 
-Light directionLight(const glm::vec3& direction, double radius, const glm::vec3& radiance) {
-    return lightFrom(capLight(glm::normalize(direction), float(std::sin(radius))), radiance);
+Light directionalLight(const glm::vec3& direction, double radius, const glm::vec3& radiance) {
+    return {capLight(glm::normalize(direction), float(std::sin(radius))), vec4(0), vec4(radiance, 0)};
 }
 
-Light placedLight(const glm::vec3& centre, double radius, const glm::vec3& radiance) {
-    return {vec4(centre, 1), vec4(0, 0, 0, radius), vec4(0), vec4(0), vec4(radiance, 0)};
+Light sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance) {
+    return {capLight({0, 1, 0}, 0), vec4(centre, radius), vec4(radiance, 0)};
 }
 
 glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest) {

@@ -15,10 +15,13 @@ struct View {
     glm::vec3 albedo{0.8f};
 };
 
-// A light from `direction` (unit, towards it), `radius` radians across half of it.
-Light directionLight(const glm::vec3& direction, double radius, const glm::vec3& radiance);
-// A glowing sphere, `radius` metres.
-Light placedLight(const glm::vec3& centre, double radius, const glm::vec3& radiance);
+// A light at infinity.
+//   direction  towards it, of any length
+//   radius     angular, radians, 0 < radius <= pi/4
+//   radiance   rgb, W/m2/sr
+Light directionalLight(const glm::vec3& direction, double radius, const glm::vec3& radiance);
+// A glowing sphere: `centre` and `radius` > 0 in metres, `radiance` rgb in W/m2/sr.
+Light sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance);
 
 // Clip space of Vulkan (y down, depth 1 at `nearest` metres falling to 0 at infinity).
 glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest);

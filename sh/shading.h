@@ -7,10 +7,12 @@ namespace apertura {
 using namespace glm;
 
 #define APERTURA_FN inline
+#define APERTURA_STD140 alignas(16)
 #include "shaders/evaluate.glsl"
 #include "shaders/frame.glsl"
 #include "shaders/models.glsl"
 #include "shaders/shadow.glsl"
 #undef APERTURA_FN
+#undef APERTURA_STD140
 
 }  // namespace apertura

@@ -7,6 +7,7 @@
 #define APERTURA_CAP_GLSL
 #ifndef APERTURA_FN
 #define APERTURA_FN
+#define APERTURA_STD140  // in C++, structs in buffers are aligned as std140 has them
 #endif
 
 const float PI = 3.14159265358979f;
@@ -21,7 +22,7 @@ APERTURA_FN vec3 tangentTo(vec3 normal) {
 
 // A light of uniform radiance that fills the cap {w : dot(w, axis) >= cos(radius)}, radius <= pi/2, with what
 // the formulas need of its size: made once a light by capLight, not once a pixel.
-struct CapLight {
+struct APERTURA_STD140 CapLight {
     vec3 axis;            // unit, towards the light's centre
     float sinRadius;      // 0..1
     float height;         // 1 - cos(radius), 0..1
@@ -34,7 +35,7 @@ struct CapLight {
     float inverseHeight;  // 1 over height
     float shrink;         // see lobeOverMedium (soft.glsl)
     float spread;         // see lobeOverMedium
-    float axialWeight;         // see covariance (edges.glsl)
+    float axialWeight;    // see covariance (edges.glsl)
 };
 
 // A cap's height 1 - cos(radius) from sin(radius), for radii up to pi/2, without cancellation.
@@ -68,7 +69,7 @@ APERTURA_FN CapLight capLight(vec3 towards, float sinRadius) {
 
 // The light of a sphere of `radius` metres whose centre lies `toCentre` metres from the receiver.
 // From inside the sphere it is a half-space of light.
-APERTURA_FN CapLight sphereLight(vec3 toCentre, float radius) {
+APERTURA_FN CapLight capOfSphere(vec3 toCentre, float radius) {
     float inverseDistance = inversesqrt(max(dot(toCentre, toCentre), 1e-20f));
     return capLight(toCentre * inverseDistance, min(radius * inverseDistance, 1.0f));
 }

@@ -21,7 +21,7 @@ void main() {
     receiver.normal = points[first].xyz;
     receiver.visibility = points[first + 1];
     for (uint k = 0; k < slots; ++k) receiver.form[k] = points[first + 2 + k];
-    float e = lightThrough(model, receiver, lightFromAfar(light), size);
+    float e = lightThrough(model, receiver, light.cap, size);
     if (sky) e += max(skyThrough(model, receiver) - e, 0.0);
     results[i] = e;
 }

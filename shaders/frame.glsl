@@ -6,14 +6,14 @@
 
 const int MAX_LIGHTS = 16;
 
-// A direction with an angular radius, or a sphere at a place.
-struct Light {
-    vec4 place;     // xyz: unit direction towards it where w = 0, its centre in metres where w = 1
-    vec4 shape;     // of a direction: sinRadius, height, area, axialWeight; w: a sphere's radius, metres
-    vec4 shape2;    // of a direction: rim, rimSlope, angle, inverseAngle
-    vec4 shape3;    // of a direction: inverseSin, inverseHeight, shrink, spread
+// A directional light with an angular radius, or a glowing sphere at a place.
+struct APERTURA_STD140 Light {
+    CapLight cap;   // of a directional light
+    vec4 sphere;    // of a sphere: xyz its centre, w its radius > 0, metres; of a directional light: zeros
     vec4 radiance;  // rgb, W/m2/sr
 };
+
+APERTURA_FN bool isSphere(Light light) { return light.sphere.w > 0.0f; }
 
 struct Frame {
     mat4 toClip;
@@ -29,23 +29,10 @@ struct SceneVertex {
     vec4 visibility;  // D, A, sr
 };
 
-// The cap of a light from a direction: everything that depends on its size was computed with it.
-APERTURA_FN CapLight lightFromAfar(Light light) {
-    return CapLight(vec3(light.place), light.shape.x, light.shape.y, light.shape.z, light.shape2.x, light.shape2.y,
-                    light.shape2.z, light.shape2.w, light.shape3.x, light.shape3.y, light.shape3.z, light.shape3.w, light.shape.w);
-}
-
 // The cap that a light fills as seen from `position`, metres.
-APERTURA_FN CapLight lightSeenFrom(vec3 position, Light light) {
-    if (light.place.w > 0.0f) return sphereLight(vec3(light.place) - position, light.shape.w);
-    return lightFromAfar(light);
-}
-
-// A light from a direction.
-APERTURA_FN Light lightFrom(CapLight cap, vec3 radiance) {
-    return Light(vec4(cap.axis, 0.0f), vec4(cap.sinRadius, cap.height, cap.area, cap.axialWeight),
-                 vec4(cap.rim, cap.rimSlope, cap.angle, cap.inverseAngle),
-                 vec4(cap.inverseSin, cap.inverseHeight, cap.shrink, cap.spread), vec4(radiance, 0.0f));
+APERTURA_FN CapLight capSeenFrom(vec3 position, Light light) {
+    if (isSphere(light)) return capOfSphere(vec3(light.sphere) - position, light.sphere.w);
+    return light.cap;
 }
 
 #endif

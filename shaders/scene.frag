@@ -23,7 +23,7 @@ Receiver receiver;
 float lightReceiver(float share, inout vec3 irradiance, inout float sky) {
     float lit = 0.0;
     for (int i = 0; i < frame.counts.x; ++i) {
-        float e = share * lightThrough(model, receiver, lightSeenFrom(worldPosition, frame.lights[i]), size);
+        float e = share * lightThrough(model, receiver, capSeenFrom(worldPosition, frame.lights[i]), size);
         irradiance += e * frame.lights[i].radiance.rgb;
         lit += e;
     }

@@ -29,7 +29,7 @@ vec2 tap(int i, float turn) {
 
 void main() {
     vec3 normal = normalize(worldNormal);
-    CapLight light = lightFromAfar(frame.lights[0]);
+    CapLight light = frame.lights[0].cap;
     vec3 seen = vec3(dot(normal, shadow.right.xyz), dot(normal, shadow.up.xyz), dot(normal, shadow.towards.xyz));
     vec4 clip = shadow.toLight * vec4(worldPosition + 2.0 * shadow.shape.z * normal, 1.0);
     vec2 uv = 0.5 * clip.xy + 0.5;

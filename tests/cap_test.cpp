@@ -73,12 +73,12 @@ TEST(Light, CutByTheHorizonWithinAThousandth) {
 }
 
 TEST(Light, OfASphereHasTheSizeItIsSeenAt) {
-    const CapLight light = sphereLight(vec3(0, 4, 0), 1);
+    const CapLight light = capOfSphere(vec3(0, 4, 0), 1);
     EXPECT_FLOAT_EQ(light.sinRadius, 0.25f);
     EXPECT_NEAR(light.height, 1 - std::sqrt(1 - 0.0625), 1e-7);
     EXPECT_FLOAT_EQ(light.axis.y, 1);
-    EXPECT_FLOAT_EQ(sphereLight(vec3(0, 0.5f, 0), 1).sinRadius, 1);  // from inside: a half-space
-    const CapLight centre = sphereLight(vec3(0), 1);
+    EXPECT_FLOAT_EQ(capOfSphere(vec3(0, 0.5f, 0), 1).sinRadius, 1);  // from inside: a half-space
+    const CapLight centre = capOfSphere(vec3(0), 1);
     EXPECT_TRUE(std::isfinite(lightAboveHorizon(vec3(0, 1, 0), centre)));
 }
 

@@ -109,7 +109,7 @@ TEST_F(GpuTest, DrawsAnOpenPlaneAsTheClosedFormSays) {
     const double r = 0.02, e = kPi * std::sin(r) * std::sin(r) * 0.5;
     for (int i = 0; i < 8; ++i) {
         const double turn = 2 * kPi * i / 8, s = std::sin(kPi / 3);
-        view.lights.push_back(directionLight({s * std::cos(turn), 0.5, s * std::sin(turn)}, r, vec3(100)));
+        view.lights.push_back(directionalLight({s * std::cos(turn), 0.5, s * std::sin(turn)}, r, vec3(100)));
     }
     for (const Model& model : models()) {
         if (!model.fromVisibility || model.id == MODEL_OAT || model.id == MODEL_SH_L1) continue;  // not there, or wrong by their own lights
@@ -118,7 +118,7 @@ TEST_F(GpuTest, DrawsAnOpenPlaneAsTheClosedFormSays) {
             EXPECT_NEAR(picture.pixels[8 * 16 + 8][c], 0.5 / kPi * (8 * e * 100 + (kPi - 8 * e) * view.sky[c]), 2e-3) << model.name;
     }
     // A sphere overhead, sin r = 1/4.
-    view.lights = {placedLight({0, 4, 0}, 1, vec3(2))};
+    view.lights = {sphereLight({0, 4, 0}, 1, vec3(2))};
     const double own = kPi / 16;
     const Picture lamp = renderer.draw(view, *findModel("aperture"));
     EXPECT_NEAR(lamp.pixels[8 * 16 + 8].r, 0.5 / kPi * (own * 2 + (kPi - own) * 0.1), 2e-3);
@@ -130,7 +130,7 @@ TEST_F(GpuTest, ShowsWhatTheReferenceShows) {
     view.width = 120;
     view.height = 80;
     view.camera = viewOf(asset.scene);
-    view.lights = {directionLight({0.6f, 0.7f, 0.3f}, 0.087, vec3(100))};
+    view.lights = {directionalLight({0.6f, 0.7f, 0.3f}, 0.087, vec3(100))};
     const Picture truth = traceReference(Tracer(asset.scene), view, {});
     Renderer renderer(*gpu, asset);
     const Picture soft = renderer.draw(view, *findModel("soft")), oat = renderer.draw(view, *findModel("oat"));
@@ -154,7 +154,7 @@ TEST_F(GpuTest, SwitchesModelsWithoutAReload) {
     View view;
     view.width = view.height = 64;
     view.camera = viewOf(asset.scene);
-    view.lights = {directionLight({1, 1, 1}, 0.02, vec3(500))};
+    view.lights = {directionalLight({1, 1, 1}, 0.02, vec3(500))};
     Renderer renderer(*gpu, asset);
     const Model& ao = *findModel("ao");
     const Picture first = renderer.draw(view, ao);
@@ -175,13 +175,13 @@ TEST_F(GpuTest, TheShadowMapShowsTheShadowsOfTheReference) {
     view.sky = vec3(0);
     Renderer renderer(*gpu, asset);
     for (double radius : {0.01, 0.087}) {
-        view.lights = {directionLight({0.5f, 0.7f, 0.4f}, radius, vec3(float(1 / (radius * radius))))};
+        view.lights = {directionalLight({0.5f, 0.7f, 0.4f}, radius, vec3(float(1 / (radius * radius))))};
         const Picture truth = traceReference(Tracer(asset.scene), view, {});
         const double off = differenceOf(renderer.drawShadowMapped(view), truth);
         std::printf("shadow map, light of %.3f rad: %.4f from the reference, whose mean is %.3f\n", radius, off, meanOf(truth));
         EXPECT_LT(off, 0.16 * meanOf(truth));
     }
-    view.lights = {placedLight({0, 4, 0}, 1, vec3(2))};
+    view.lights = {sphereLight({0, 4, 0}, 1, vec3(2))};
     EXPECT_THROW(renderer.drawShadowMapped(view), Error);
 }
 

@@ -54,7 +54,7 @@ Light sun(const Arguments& a) {
     const glm::vec3 direction(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
                               -std::cos(elevation) * std::cos(azimuth));
     const double radiance = kSunIrradiance / (std::numbers::pi * std::sin(radius) * std::sin(radius));
-    return directionLight(direction, radius, glm::vec3(radiance * glm::dvec3(1, 0.93, 0.82)));
+    return directionalLight(direction, radius, glm::vec3(radiance * glm::dvec3(1, 0.93, 0.82)));
 }
 
 void run(const Arguments& a) {

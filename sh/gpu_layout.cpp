@@ -1,0 +1,27 @@
+// The structs that GLSL and C++ share lie in memory alike: std140 and std430 have a vec3 at multiples of 16 bytes, what
+// follows it close behind, and the whole padded to 16.
+#include <cstddef>
+
+#include "sh/shading.h"
+
+namespace apertura {
+
+static_assert(sizeof(CapLight) == 64 && alignof(CapLight) == 16);
+static_assert(offsetof(CapLight, axis) == 0 && offsetof(CapLight, sinRadius) == 12 && offsetof(CapLight, height) == 16);
+static_assert(offsetof(CapLight, area) == 20 && offsetof(CapLight, rim) == 24 && offsetof(CapLight, angle) == 32);
+static_assert(offsetof(CapLight, inverseSin) == 40 && offsetof(CapLight, shrink) == 48 && offsetof(CapLight, axialWeight) == 56);
+
+static_assert(sizeof(Light) == 96);
+static_assert(offsetof(Light, cap) == 0 && offsetof(Light, sphere) == 64 && offsetof(Light, radiance) == 80);
+
+static_assert(sizeof(Frame) == 112 + 96 * MAX_LIGHTS);
+static_assert(offsetof(Frame, toClip) == 0 && offsetof(Frame, sky) == 64 && offsetof(Frame, albedo) == 80);
+static_assert(offsetof(Frame, counts) == 96 && offsetof(Frame, lights) == 112);
+
+static_assert(sizeof(SceneVertex) == 48);
+static_assert(offsetof(SceneVertex, position) == 0 && offsetof(SceneVertex, normal) == 16 && offsetof(SceneVertex, visibility) == 32);
+
+static_assert(sizeof(Evaluation) == 48 + 16 * MAX_SLOTS);
+static_assert(offsetof(Evaluation, normal) == 0 && offsetof(Evaluation, light) == 16 && offsetof(Evaluation, visibility) == 32 && offsetof(Evaluation, form) == 48);
+
+}  // namespace apertura
