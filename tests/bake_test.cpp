@@ -1,8 +1,10 @@
-#include "bake/bake.h"
+#include "bake/sampling/directions.h"
+#include "bake/measure/truth.h"
+#include "bake/fit/bake.h"
 
-#include "bake/load.h"
-#include "bake/receivers.h"
-#include "bake/shapes.h"
+#include "bake/scene/load.h"
+#include "bake/sampling/surface_points.h"
+#include "bake/scene/shapes.h"
 #include "sh/packing.h"
 #include "tests/support.h"
 
@@ -19,7 +21,7 @@ Scene sceneOf(Surface surface, const glm::mat4& transform = glm::mat4(1)) {
 
 std::vector<Visibility> visibilityAt(const Tracer& tracer, std::span<const SurfacePoint> points, const BakeOptions& options) {
     std::vector<Visibility> out;
-    for (const BakedPoint& p : bakePoints(tracer, points, options)) out.push_back(p.visibility);
+    for (const BakedPoint& p : bakePoints(RayOcclusion(tracer), points, options)) out.push_back(p.visibility);
     return out;
 }
 
@@ -77,7 +79,7 @@ TEST(Bake, BothSourcesAreTheSameByConstruction) {
     const Scene scene = makeBuiltin("statue");
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
-    for (const SpreadPoint& p : spreadReceivers(scene, 200, 1)) points.push_back(p.at);
+    for (const SurfaceSample& p : sampleReceivers(scene, 200, 1)) points.push_back(p.at);
     const auto sh = visibilityAt(tracer, points, {.recipe = "sh"}), rays = visibilityAt(tracer, points, {.recipe = "rays"});
     for (size_t i = 0; i < points.size(); ++i) {
         EXPECT_NEAR(sh[i].area, rays[i].area, 1e-5);
@@ -89,7 +91,7 @@ TEST(Bake, SameBytesForAnyNumberOfThreadsAndOtherForAnotherSeed) {
     const Scene scene = makeBuiltin("canyon");
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
-    for (const SpreadPoint& p : spreadReceivers(scene, 3000, 1)) points.push_back(p.at);
+    for (const SurfaceSample& p : sampleReceivers(scene, 3000, 1)) points.push_back(p.at);
     BakeOptions options;
     options.rays = 64;
     auto bake = [&](int threads, uint32_t seed) {
@@ -168,7 +170,7 @@ TEST(Bake, LatticeErrorAt256RaysOnTheBunny) {
 
 TEST(Lattice, IntegratesTheHemisphere) {
     for (int n : {1, 16, 256, 1000}) {
-        const auto lattice = hemisphereLattice(n);
+        const auto lattice = fibonacciHemisphere(n);
         ASSERT_EQ(lattice.size(), size_t(n));
         double z = 0;
         for (const glm::vec3& w : lattice) z += w.z;
@@ -182,7 +184,7 @@ TEST(Builtin, SameBytesEveryTimeAndAllOfThemTrace) {
         const Scene a = makeBuiltin(name), b = makeBuiltin(name);
         ASSERT_EQ(a.surfaces.size(), b.surfaces.size());
         for (size_t i = 0; i < a.surfaces.size(); ++i) EXPECT_EQ(a.surfaces[i].positions, b.surfaces[i].positions);
-        EXPECT_EQ(spreadReceivers(a, 50, 1).size(), 50u) << name;
+        EXPECT_EQ(sampleReceivers(a, 50, 1).size(), 50u) << name;
     }
 }
 

@@ -11,8 +11,11 @@
 #include <cstring>
 #include <memory>
 
-#include "bake/load.h"
-#include "bake/receivers.h"
+#include "bake/sampling/directions.h"
+#include "bake/measure/truth.h"
+#include "bake/fit/bake.h"
+#include "bake/scene/load.h"
+#include "bake/sampling/surface_points.h"
 #include "sh/packing.h"
 #include "sh/aperture.h"
 #include "sh/soft.h"
@@ -25,7 +28,7 @@ struct Statue {
     Tracer tracer{scene};
     std::vector<SurfacePoint> points;
     Statue() {
-        for (const SpreadPoint& p : spreadReceivers(scene, 4000, 1)) points.push_back(p.at);
+        for (const SurfaceSample& p : sampleReceivers(scene, 4000, 1)) points.push_back(p.at);
     }
 };
 
@@ -58,11 +61,11 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
     rtcAttachGeometry(scene, mesh);
     rtcCommitScene(scene);
 
-    const auto lattice = hemisphereLattice(256);
+    const auto lattice = fibonacciHemisphere(256);
     std::vector<RTCRay16> packets;
     for (size_t i = 0; i < statue().points.size(); ++i) {
         const SurfacePoint& p = statue().points[i];
-        const glm::mat3 frame = frameAbout(p.normal, 6.283185307179586 * hashUnit(1, i, 0));
+        const glm::mat3 frame = frameFromZ(p.normal, 6.283185307179586 * hashUnit(1, i, 0));
         const glm::vec3 o = rayOrigin(statue().tracer, p);
         for (size_t k = 0; k < lattice.size(); k += 16) {
             RTCRay16& r = packets.emplace_back();
@@ -91,7 +94,7 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
     options.threads = 1;
     double baking = 0, bare = 0;
     for (auto _ : state) {
-        baking += seconds([&] { benchmark::DoNotOptimize(bakePoints(statue().tracer, statue().points, options)); });
+        baking += seconds([&] { benchmark::DoNotOptimize(bakePoints(RayOcclusion(statue().tracer), statue().points, options)); });
         bare += seconds([&] {
             for (const RTCRay16& packet : packets) {
                 RTCRay16 rays = packet;  // the query writes its answer into them
@@ -111,7 +114,7 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
 
 std::vector<Packed8> packed() {
     std::vector<Packed8> out;
-    for (const BakedPoint& p : bakePoints(statue().tracer, statue().points, {})) out.push_back(pack8(p.visibility));
+    for (const BakedPoint& p : bakePoints(RayOcclusion(statue().tracer), statue().points, {})) out.push_back(pack8(p.visibility));
     return out;
 }
 
@@ -136,9 +139,9 @@ void Fit(benchmark::State& state, const char* name) {
         const Scene made = makeBuiltin(scene);
         const Tracer tracer(made);
         std::vector<SurfacePoint> points;
-        for (const SpreadPoint& p : spreadReceivers(made, 60, 3)) points.push_back(p.at);
+        for (const SurfaceSample& p : sampleReceivers(made, 60, 3)) points.push_back(p.at);
         std::vector<std::unique_ptr<Samples>> each(points.size());
-        samplePoints(tracer, points, tools.lattice, {.threads = 1}, {},
+        samplePoints(RayOcclusion(tracer), points, tools.lattice, 1, 1, {},
                      [&](size_t i, const Samples& s, const glm::mat3&) { each[i] = std::make_unique<Samples>(s); });
         for (const auto& one : each) samples.push_back(*one);
     }

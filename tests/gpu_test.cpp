@@ -1,10 +1,11 @@
 // The Vulkan device against the same text in C++; the validation layer's silence; the pictures.
-#include "bake/load.h"
-#include "bake/reference.h"
-#include "runtime/error.h"
-#include "runtime/cost.h"
-#include "runtime/form_stream.h"
-#include "runtime/renderer.h"
+#include "bake/fit/bake.h"
+#include "bake/scene/load.h"
+#include "bake/measure/reference.h"
+#include "runtime/asset/error.h"
+#include "runtime/render/cost.h"
+#include "runtime/asset/form_stream.h"
+#include "runtime/render/renderer.h"
 #include "tests/support.h"
 
 namespace apertura::test {

@@ -1,6 +1,7 @@
-#include "bake/measure.h"
+#include "bake/fit/bake.h"
+#include "bake/measure/measure.h"
 
-#include "bake/load.h"
+#include "bake/scene/load.h"
 #include "tests/support.h"
 
 namespace apertura::test {

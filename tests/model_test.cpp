@@ -1,10 +1,12 @@
 // Every model's form: its bytes, its turning, and what its formula makes of regions with known answers.
-#include "bake/bake.h"
-#include "bake/load.h"
-#include "bake/lobe_sums.h"
-#include "bake/receivers.h"
-#include "runtime/error.h"
-#include "runtime/form_stream.h"
+#include "bake/sampling/directions.h"
+#include "bake/measure/truth.h"
+#include "bake/fit/bake.h"
+#include "bake/scene/load.h"
+#include "bake/fit/lobe_sums.h"
+#include "bake/sampling/surface_points.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/form_stream.h"
 #include "tests/support.h"
 
 #include <map>
@@ -31,7 +33,7 @@ double errorOf(const char* recipe, const char* modelName, const FitTools& tools,
     const Receiver receiver = toReceiver(point.visibility, toForm(model, point.visibility, how.model >= 0 ? &point.form : nullptr, kUp), kUp);
     double sum = 0;
     int count = 0;
-    for (const vec3& l : hemisphereLattice(200)) {
+    for (const vec3& l : fibonacciHemisphere(200)) {
         const CapLight light = capLight(dvec3(l), radius);
         const double e = lightThrough(model.id, receiver, light, lightsOf(light.sinRadius)) / light.area - exact(dvec3(l));
         sum += e * e;
@@ -82,7 +84,7 @@ TEST(Models, FormsTurnWithTheirFrame) {
             std::vector<float> numbers(size_t(storedNumbers(model)));
             for (float& n : numbers) n = float(random(-0.3, 0.3));
             const vec3 axis(random.direction());
-            const mat3 turn = frameAbout(axis, random(0, 6));
+            const mat3 turn = frameFromZ(axis, random(0, 6));
             const Form form = unpackForm(model, numbers), turned = rotateForm(model, form, turn);
             const Visibility v{vec3(0.3f, 0.2f, 1), 3}, w{turn * v.direction, v.area};
             const CapLight light = capLight(random.direction(), 0.15), moved = capLight(dvec3(turn * light.axis), 0.15);
@@ -256,12 +258,12 @@ TEST(Models, FitsAreNoWorseThanALongSearch) {
     const Scene scene = makeBuiltin("room-3");
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
-    for (const SpreadPoint& p : spreadReceivers(scene, 24, 3)) points.push_back(p.at);
+    for (const SurfaceSample& p : sampleReceivers(scene, 24, 3)) points.push_back(p.at);
     const FitTools tools(256);
     const CapDictionary fine(tools.lattice, 200, 20);
     for (const float firmness : {0.0f, kFirmness, 2 * kFirmness}) {  // soft, firm, and as caps are
         double own = 0, slow = 0;
-        samplePoints(tracer, points, tools.lattice, {.rays = 256, .threads = 1}, {}, [&](size_t, const Samples& samples, const mat3&) {
+        samplePoints(RayOcclusion(tracer), points, tools.lattice, 1, 1, {}, [&](size_t, const Samples& samples, const mat3&) {
             LobeFitOptions how;
             how.lobes = 2;
             how.firmness = firmness;
@@ -279,20 +281,20 @@ TEST(Models, BytesAddLittle) {
     const Scene scene = makeBuiltin("statue");
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
-    for (const SpreadPoint& p : spreadReceivers(scene, 30, 1)) points.push_back(p.at);
+    for (const SurfaceSample& p : sampleReceivers(scene, 30, 1)) points.push_back(p.at);
     const FitTools tools(256);
     for (const Recipe& recipe : recipes()) {
         if (recipe.model < 0) continue;
         const Model& model = models()[size_t(recipe.model)];
         double sum[2]{};
         int count = 0;
-        samplePoints(tracer, points, tools.lattice, {.rays = 256, .threads = 1}, {}, [&](size_t i, const Samples& samples, const mat3& frame) {
+        samplePoints(RayOcclusion(tracer), points, tools.lattice, 1, 1, {}, [&](size_t i, const Samples& samples, const mat3& frame) {
             const BakedPoint point = makePoint(recipe, tools, samples, frame, {.price = 400});
             const vec3 normal = points[i].normal;
             for (int k = 0; k < 2; ++k) {
                 const auto bytes = packForms(model, {&point.form, 1}, mat3(1), k ? 16 : 8);
                 const Form back = unpackForms(model, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 1, mat3(1), k ? 16 : 8)[0];
-                for (const vec3& l : hemisphereLattice(40)) {
+                for (const vec3& l : fibonacciHemisphere(40)) {
                     const CapLight light = apertura::capLight(frame * l, 0.0872f);
                     const float a = lightThrough(model.id, toReceiver(point.visibility, toForm(model, point.visibility, &point.form, normal), normal), light, LIGHTS_MEDIUM);
                     const float b = lightThrough(model.id, toReceiver(point.visibility, toForm(model, point.visibility, &back, normal), normal), light, LIGHTS_MEDIUM);

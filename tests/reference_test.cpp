@@ -1,5 +1,5 @@
 // The traced picture that everything else is held to: lamps among the walls, against closed forms.
-#include "bake/reference.h"
+#include "bake/measure/reference.h"
 #include "tests/support.h"
 
 namespace apertura::test {

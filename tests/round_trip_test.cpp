@@ -2,14 +2,14 @@
 #include <algorithm>
 #include <cctype>
 
-#include "bake/bake.h"
-#include "bake/load.h"
-#include "bake/measure.h"
-#include "runtime/asset.h"
-#include "runtime/file.h"
-#include "runtime/gltf.h"
-#include "runtime/gltf_document.h"
-#include "runtime/view.h"
+#include "bake/fit/bake.h"
+#include "bake/scene/load.h"
+#include "bake/measure/measure.h"
+#include "runtime/asset/asset.h"
+#include "runtime/asset/file.h"
+#include "runtime/asset/gltf.h"
+#include "runtime/asset/gltf_document.h"
+#include "runtime/asset/view.h"
 #include "tests/gltf_text.h"
 #include "tests/support.h"
 

@@ -1,10 +1,10 @@
 // Scenes from files: what the readers take, and what they refuse.
-#include "runtime/asset.h"
-#include "bake/bake.h"
-#include "bake/load.h"
-#include "runtime/error.h"
-#include "runtime/gltf.h"
-#include "runtime/gltf_document.h"
+#include "runtime/asset/asset.h"
+#include "bake/fit/bake.h"
+#include "bake/scene/load.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/gltf.h"
+#include "runtime/asset/gltf_document.h"
 #include "tests/gltf_text.h"
 #include "tests/support.h"
 

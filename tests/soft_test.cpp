@@ -1,7 +1,9 @@
+#include "bake/measure/truth.h"
+#include "bake/fit/bake.h"
 #include "sh/soft.h"
 
-#include "bake/load.h"
-#include "bake/receivers.h"
+#include "bake/scene/load.h"
+#include "bake/sampling/surface_points.h"
 #include "sh/models.h"
 #include "sh/soft_solve.h"
 #include "tests/support.h"
@@ -57,10 +59,10 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
         const Scene scene = makeBuiltin(name);
         const Tracer tracer(scene);
         std::vector<SurfacePoint> points;
-        for (const SpreadPoint& p : spreadReceivers(scene, 150, 4)) points.push_back(p.at);
+        for (const SurfaceSample& p : sampleReceivers(scene, 150, 4)) points.push_back(p.at);
         BakeOptions options;
         options.rays = 1024;
-        const std::vector<BakedPoint> visibility = bakePoints(tracer, points, options);
+        const std::vector<BakedPoint> visibility = bakePoints(RayOcclusion(tracer), points, options);
         for (size_t i = 0; i < points.size(); ++i) {
             const vec3 n = points[i].normal;
             const Visibility& v = visibility[i].visibility;

@@ -1,13 +1,13 @@
 // Where methods break: singular configurations, hostile numbers, every packed value, and the scenes' own steps.
-#include "bake/hostile.h"
+#include "bake/measure/fuzz.h"
 
 #include <cstdlib>
 #include <map>
 
-#include "bake/load.h"
-#include "bake/scene_steps.h"
-#include "bake/storage.h"
-#include "runtime/renderer.h"
+#include "bake/scene/load.h"
+#include "bake/measure/scene_steps.h"
+#include "bake/measure/storage_errors.h"
+#include "runtime/render/renderer.h"
 #include "sh/packing.h"
 #include "tests/support.h"
 

@@ -6,12 +6,12 @@
 
 #include <chrono>
 
-#include "bake/load.h"
-#include "runtime/asset.h"
-#include "runtime/error.h"
-#include "runtime/file.h"
-#include "runtime/gltf.h"
-#include "runtime/gltf_document.h"
+#include "bake/scene/load.h"
+#include "runtime/asset/asset.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/file.h"
+#include "runtime/asset/gltf.h"
+#include "runtime/asset/gltf_document.h"
 #include "tests/gltf_text.h"
 #include "tests/support.h"
 

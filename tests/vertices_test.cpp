@@ -1,11 +1,11 @@
 // Baking where rays go wrong: faces that coincide or have no area, vertices inside other geometry, normals and windings
 // that contradict each other, far from the origin, tiny and huge.
-#include "bake/vertices.h"
+#include "bake/sampling/vertices.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "bake/bake.h"
-#include "bake/shapes.h"
+#include "bake/fit/bake.h"
+#include "bake/scene/shapes.h"
 #include "tests/support.h"
 
 namespace apertura::test {

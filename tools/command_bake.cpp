@@ -1,10 +1,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "bake/bake.h"
-#include "runtime/asset.h"
-#include "runtime/error.h"
-#include "runtime/file.h"
+#include "bake/fit/bake.h"
+#include "runtime/asset/asset.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/file.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 

@@ -8,11 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "bake/isolated.h"
-#include "bake/measure.h"
-#include "runtime/cost.h"
-#include "runtime/error.h"
-#include "runtime/file.h"
+#include "bake/fit/bake.h"
+#include "bake/scene/isolated.h"
+#include "bake/measure/measure.h"
+#include "runtime/render/cost.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/file.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 
@@ -109,7 +110,7 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
     using Clock = std::chrono::steady_clock;
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
-    for (const SpreadPoint& p : spreadReceivers(scene, 100, measure.seed)) points.push_back(p.at);
+    for (const SurfaceSample& p : sampleReceivers(scene, 100, measure.seed)) points.push_back(p.at);
     BakeOptions options;
     options.threads = 1;
     const FitTools tools(options.rays);
@@ -117,7 +118,7 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
     how.price = 1 / (how.tolerance * how.tolerance);
     std::vector<std::pair<Samples, mat3>> samples;
     const auto start = Clock::now();
-    samplePoints(tracer, points, tools.lattice, options, {}, [&](size_t, const Samples& s, const mat3& frame) { samples.emplace_back(s, frame); });
+    samplePoints(RayOcclusion(tracer), points, tools.lattice, options.seed, 1, {}, [&](size_t, const Samples& s, const mat3& frame) { samples.emplace_back(s, frame); });
     const double tracing = std::chrono::duration<double>(Clock::now() - start).count();
     std::map<std::string, BakeCost> out;
     double plain = 0;

@@ -2,9 +2,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "bake/measure.h"
-#include "runtime/error.h"
-#include "runtime/file.h"
+#include "bake/measure/measure.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/file.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 
@@ -102,8 +102,7 @@ void run(Arguments a) {
         ProgressBar bar("comparing");
         const Scene scene = loadScene(a.scene, a.map);
         if (hasVisibility(scene)) {
-            Asset asset = toAsset(scene);
-            adoptReceivers(asset.scene, asset.info.scene);
+            const Asset asset = toAsset(scene);
             for (const Model* model : a.measure.models)
                 if (!model->fromVisibility && model != storedModel(asset.info))
                     throw Error(a.scene + ": does not hold the model " + std::string(model->name) + "; bake it with --model " + std::string(model->name));

@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "runtime/asset.h"
-#include "runtime/form_stream.h"
+#include "runtime/asset/asset.h"
+#include "runtime/asset/form_stream.h"
 #include "sh/packing.h"
 #include "sh/shading.h"
 #include "tools/commands.h"

@@ -3,10 +3,10 @@
 #include <cstdio>
 #include <numbers>
 
-#include "bake/reference.h"
-#include "runtime/error.h"
-#include "runtime/file.h"
-#include "runtime/renderer.h"
+#include "bake/measure/reference.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/file.h"
+#include "runtime/render/renderer.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 

@@ -6,12 +6,12 @@
 #include <optional>
 #include <sstream>
 
-#include "bake/hostile.h"
-#include "bake/scene_steps.h"
-#include "bake/storage.h"
-#include "runtime/error.h"
-#include "runtime/file.h"
-#include "runtime/renderer.h"
+#include "bake/measure/fuzz.h"
+#include "bake/measure/scene_steps.h"
+#include "bake/measure/storage_errors.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/file.h"
+#include "runtime/render/renderer.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 

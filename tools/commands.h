@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/load.h"
+#include "bake/scene/load.h"
 
 namespace apertura {
 

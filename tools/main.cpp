@@ -5,7 +5,7 @@
 #include <iostream>
 #include <new>
 
-#include "runtime/error.h"
+#include "runtime/asset/error.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 

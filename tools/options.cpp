@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "runtime/error.h"
+#include "runtime/asset/error.h"
 #include "sh/models.h"
 #include "tools/commands.h"
 

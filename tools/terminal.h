@@ -2,7 +2,7 @@
 #include <chrono>
 #include <string>
 
-#include "bake/tracer.h"
+#include "bake/sampling/tracer.h"
 
 namespace apertura {
 

@@ -1,7 +1,7 @@
 // The reader and the writer of assets: any bytes are an asset or an Error, and what is written can be read.
-#include "runtime/asset.h"
-#include "runtime/error.h"
-#include "runtime/gltf.h"
+#include "runtime/asset/asset.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/gltf.h"
 #include "tests/fuzz/fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

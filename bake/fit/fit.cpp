@@ -1,0 +1,213 @@
+#include "bake/fit/fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/fit/choose.h"
+#include "sh/soft.h"
+
+namespace apertura {
+namespace {
+
+constexpr float kCapFirmness = 120;   // of the soft-edged stand-ins that caps are fitted as
+constexpr int kLongSteps = 40;        // where there is one start and its way is long
+constexpr float kAmbientWeight = 60;  // keeps the sky's light right to about 0.003
+
+Visibility project(const Samples& samples) {
+    const SampleLattice& lattice = *samples.lattice;
+    std::vector<vec3> open;
+    for (size_t i = 0; i < lattice.directions().size(); ++i)
+        if (samples.isOpen(i)) open.push_back(lattice.directions()[i]);
+    return toVisibility(apertura::project(open, lattice.solidAngle()));
+}
+
+Visibility sumUp(const Samples& samples) {
+    const SampleLattice& lattice = *samples.lattice;
+    int count = 0;
+    glm::dvec3 sum(0);
+    for (size_t i = 0; i < lattice.directions().size(); ++i)
+        if (samples.isOpen(i)) ++count, sum += glm::dvec3(lattice.directions()[i]);
+    return {vec3(sum * lattice.solidAngle()), float(count * lattice.solidAngle())};
+}
+
+BakedPoint fromSh(const FitTools&, const Samples& s, const mat3&, const FitOptions&) { return {project(s), {}}; }
+BakedPoint fromRays(const FitTools&, const Samples& s, const mat3&, const FitOptions&) { return {sumUp(s), {}}; }
+
+// What a baker of cosine-weighted transfer (T = the integral of V max(0, n.w) Y) stores, taken for visibility
+// after the one scaling that an open hemisphere asks for: DC by 2 and the linear band by 3/2.
+BakedPoint fromTransfer(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
+    const SampleLattice& lattice = *samples.lattice;
+    double area = 0;
+    glm::dvec3 direction(0);
+    for (size_t i = 0; i < lattice.directions().size(); ++i) {
+        if (!samples.isOpen(i)) continue;
+        const vec3 w = lattice.directions()[i];
+        area += w.z;
+        direction += double(w.z) * glm::dvec3(w);
+    }
+    return {clampToPossible({vec3(direction * lattice.solidAngle() * 1.5), float(2 * area * lattice.solidAngle())}), {}};
+}
+
+vec4 bestLobe(const Samples& samples, float ambientWeight) {
+    const SoftAperture start = toSoft(project(samples), vec3(0, 0, 1));
+    LobeFitOptions how;
+    how.ambientWeight = ambientWeight;
+    how.steps = kLongSteps;
+    return improveLobe(samples, vec4(start.slope, start.offset), how).lobes[0];
+}
+
+// The coefficients of the best soft aperture, in place of the visibility's own.
+BakedPoint fittedSh(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
+    const SampleLattice& lattice = *samples.lattice;
+    const vec4 lobe = bestLobe(samples, kAmbientWeight);
+    double area = 0;
+    glm::dvec3 direction(0);
+    for (const vec3& w : lattice.directions()) {
+        const double f = lobe.w + dot(vec3(lobe), w), v = 0.5 + 0.5 * f / std::sqrt(1 + f * f);
+        area += v;
+        direction += v * glm::dvec3(w);
+    }
+    return {{vec3(direction * lattice.solidAngle()), float(area * lattice.solidAngle())}, {}};
+}
+
+// Two hard edges are found from few starts: more would err less by a fiftieth, at a third of the speed.
+LobeFitOptions firmly(int lobes, float firmness) {
+    LobeFitOptions how;
+    how.lobes = lobes;
+    how.firmness = firmness;
+    how.pairs = true;
+    if (lobes != 2 || firmness == 0) {
+        how.starts = 6;
+        how.firstSteps = 6;
+        how.steps = 20;
+    }
+    return how;
+}
+
+LobeFitOptions asCaps(int lobes) {
+    LobeFitOptions how = firmly(lobes, kCapFirmness);
+    how.pairs = false;
+    return how;
+}
+
+vec4 toCap(const vec4& lobe, bool complement) {
+    const float slope = std::max(length(vec3(lobe)), 1e-6f);
+    const float height = std::clamp(1 + lobe.w / slope, 0.0f, 2.0f);
+    return complement ? vec4(-vec3(lobe) / slope, 2 - height) : vec4(vec3(lobe) / slope, height);
+}
+
+// The better of one cap and one anti-cap.
+BakedPoint fittedAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Product, asCaps(1));
+    const vec4 cap = toCap(fit.lobes[0], false);
+    const bool anti = cap.w > 1;
+    const vec4 own = anti ? vec4(-vec3(cap), 2 - cap.w) : cap;
+    return {project(samples), {own, own, vec4(anti ? 1 : 0, 0, 0, 0)}};
+}
+
+template <int K>
+BakedPoint caps(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Inverse, asCaps(K));
+    BakedPoint out{project(samples), {}};
+    for (int k = 0; k < K; ++k) out.form[k] = toCap(fit.lobes[k], true);
+    return out;
+}
+
+BakedPoint capAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, asCaps(2));
+    return {project(samples), {toCap(fit.lobes[0], false), toCap(fit.lobes[1], false), vec4(fit.inverse, 0, 0, 0)}};
+}
+
+template <int K, bool Firm>
+BakedPoint lobes(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, firmly(K, Firm ? kFirmness : 0));
+    BakedPoint out{project(samples), {}};
+    for (int k = 0; k < K; ++k) out.form[k] = fit.lobes[k];
+    out.form[K].x = fit.inverse ? 1 : 0;
+    out.form[K].w = float(fit.pairs);
+    return out;
+}
+
+BakedPoint quadric(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
+    LobeFitOptions how;
+    how.steps = kLongSteps;
+    const QuadricFit fit = fitQuadric(samples, bestLobe(samples, 0), how);
+    const float* b = fit.bend;
+    return {project(samples), {fit.lobe, vec4(b[0], b[1], b[2], b[3]), vec4(b[4], 0, 0, 0)}};
+}
+
+BakedPoint bands(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
+    const SampleLattice& lattice = *samples.lattice;
+    BakedPoint out{project(samples), {}};
+    for (size_t i = 0; i < lattice.directions().size(); ++i) {
+        if (!samples.isOpen(i)) continue;
+        const HighBands y = highBands(lattice.directions()[i]);
+        for (int c = 0; c < 6; ++c) out.form[c] += float(lattice.solidAngle()) * y.c[c];
+    }
+    return out;
+}
+
+// The highest blocked direction of each sector.
+BakedPoint heights(const FitTools&, const Samples& samples, const mat3& frame, const FitOptions&) {
+    const SampleLattice& lattice = *samples.lattice;
+    const vec3 normal = frame[2], tangent = tangentTo(normal), side = cross(normal, tangent);
+    BakedPoint out{project(samples), {}};
+    float* height = &out.form[0].x;
+    for (size_t i = 0; i < lattice.directions().size(); ++i) {
+        if (samples.isOpen(i)) continue;
+        const vec3 w = lattice.directions()[i], world = frame * w;
+        const float turn = std::atan2(dot(side, world), dot(tangent, world)) * HORIZON_AZIMUTHS / (2 * PI);
+        float& h = height[size_t(std::lround(turn) + HORIZON_AZIMUTHS) % HORIZON_AZIMUTHS];
+        h = std::max(h, w.z);
+    }
+    return out;
+}
+
+constexpr Recipe kRecipes[] = {
+    {"sh", "sh", -1, "the four coefficients of the visibility itself", fromSh},
+    {"rays", "rays", -1, "area and mean direction straight from the rays", fromRays},
+    {"transfer", "transfer", -1, "cosine-weighted transfer, as direct-lighting bakers give it, converted", fromTransfer},
+    {"sh-fit", "fit", -1, "the four coefficients of the best soft aperture", fittedSh},
+    {"sh-l2", "sh", MODEL_SH_L2, "SH to band 2", bands},
+    {"sh-l4", "sh", MODEL_SH_L4, "SH to band 4", bands},
+    {"anti", "fit", MODEL_ANTI, "the better of one aperture and one anti-aperture", fittedAnti},
+    {"firm-2", "fit", MODEL_FIRM_2, "two hard-edged lobes", lobes<2, true>},
+    {"soft-2", "fit", MODEL_SOFT_2, "two soft lobes", lobes<2, false>},
+    {"soft-l2", "fit", MODEL_SOFT_L2, "a soft aperture with a quadratic exponent", quadric},
+    {"firm-3", "fit", MODEL_FIRM_3, "three hard-edged lobes", lobes<3, true>},
+    {"firm-4", "fit", MODEL_FIRM_4, "four hard-edged lobes", lobes<4, true>},
+    {"multi-2", "fit", MODEL_MULTI_2, "two apertures", caps<2>},
+    {"multi-3", "fit", MODEL_MULTI_3, "three apertures", caps<3>},
+    {"multi-4", "fit", MODEL_MULTI_4, "four apertures", caps<4>},
+    {"cap-anti", "fit", MODEL_CAP_ANTI, "two of aperture and anti-aperture", capAnti},
+    {"horizon", "rays", MODEL_HORIZON, "the horizon at 16 azimuths", heights},
+    {"auto", "fit", MODEL_AUTO, "the least model for each point", chooseModel},
+};
+
+}  // namespace
+
+FitTools::FitTools(int rays, Use use) : lattice(rays), dictionary(lattice, use == Use::Samples ? 0 : 60, 10) {
+    if (use == Use::Choice) probes = makeProbes(lattice);
+}
+
+FitTools::Use useOf(const Recipe& recipe) {
+    if (recipe.model == MODEL_AUTO) return FitTools::Use::Choice;
+    return recipe.source == "fit" && recipe.model >= 0 ? FitTools::Use::Fits : FitTools::Use::Samples;
+}
+
+std::span<const Recipe> recipes() { return kRecipes; }
+
+const Recipe* findRecipe(std::string_view name) {
+    for (const Recipe& recipe : kRecipes)
+        if (recipe.name == name) return &recipe;
+    return nullptr;
+}
+
+BakedPoint makePoint(const Recipe& recipe, const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options) {
+    BakedPoint out = recipe.make(tools, samples, frame, options);
+    out.visibility.direction = frame * out.visibility.direction;
+    if (recipe.model >= 0) out.form = rotateForm(models()[size_t(chosenModel(recipe.model, out.form))], out.form, frame);
+    return out;
+}
+
+}  // namespace apertura

@@ -1,0 +1,499 @@
+#include "bake/fit/lobe_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "bake/fit/lobe_sums.h"
+#include "sh/shading.h"
+
+namespace apertura {
+namespace {
+
+// The sharpest that an edge is made: harder than any mesh can show. Of a quadric, what its bytes can hold.
+template <int M>
+constexpr float kSlopeLimit = M == 4 ? 500 : 60;
+constexpr float kFirstFirmness = 30;  // of lobes and caps on their way to a hard edge
+constexpr double kSlopeCost = 1e-10;  // keeps lobes that nothing in the samples bounds from running away
+
+// Solves A x = b by Cholesky's method, from A's lower half; false where A is not positive definite.
+template <int N>
+bool solve(std::array<std::array<double, N>, N>& a, std::array<double, N>& b) {
+    for (int i = 0; i < N; ++i) {
+        for (int j = 0; j <= i; ++j) {
+            double sum = a[i][j];
+            for (int k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
+            if (i == j) {
+                if (!(sum > 1e-14)) return false;
+                a[i][i] = std::sqrt(sum);
+            } else {
+                a[i][j] = sum / a[j][j];
+            }
+        }
+    }
+    for (int i = 0; i < N; ++i) {
+        for (int k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
+        b[i] /= a[i][i];
+    }
+    for (int i = N - 1; i >= 0; --i) {
+        for (int k = i + 1; k < N; ++k) b[i] -= a[k][i] * b[k];
+        b[i] /= a[i][i];
+    }
+    return true;
+}
+
+// K lobes of M parameters, each a coefficient of a feature; Firm: slopes of a given length; L pairs, as sumLobes.
+template <int K, int M, bool Firm, int L>
+struct Fitter {
+    static constexpr int N = K * M;  // parameters
+    static constexpr int kColumns = LobeSums<K, M, Firm>::kColumns, kFree = K * kColumns;
+    using Parameters = std::array<float, N>;
+    using Vector = std::array<double, kFree>;
+    using Matrix = std::array<Vector, kFree>;
+
+    const SampleLattice& lattice;
+    const float* open;
+    bool inverse;
+    const LobeFitOptions& options;
+
+    struct Sums {
+        double cost = 0, error = 0;
+        Vector gradient;
+        Matrix hessian;  // Gauss and Newton's, the lower half
+        glm::vec3 tangents[2 * K];
+    };
+
+    // The residual of a patch is the sum of cos (V - samples) over it: what a small light there would be off by.
+    Sums evaluate(const Parameters& p, bool derivatives) const {
+        PatchedSamples samples{{}, open, lattice.blocks, lattice.patchSize, SampleLattice::kGroup, options.groupWeight, inverse};
+        for (int f = 0; f < SampleLattice::kFeatures; ++f) samples.feature[f] = lattice.feature[f].data();
+        Sums out;
+        if constexpr (Firm)
+            for (int k = 0; k < K; ++k) {
+                const glm::vec3 axis = glm::normalize(glm::vec3(p[k * M + 1], p[k * M + 2], p[k * M + 3]));
+                out.tangents[2 * k] = tangentTo(axis);
+                out.tangents[2 * k + 1] = glm::cross(axis, out.tangents[2 * k]);
+            }
+        LobeSums<K, M, Firm> sums;
+        sumLobes<K, M, Firm, L>(samples, p.data(), &out.tangents[0].x, derivatives, sums);
+        // A patch of one sample has cos2's mean of 1/3 as its largest mean square.
+        const double rays = lattice.rays(), scale = 3 / (rays * lattice.patchSize), pull = 3 * options.ambientWeight / (rays * rays);
+        const double tilt = sums.sums[kFree];
+        out.error = sums.products[kFree][kFree] * scale;
+        out.cost = out.error + pull * tilt * tilt;
+        for (int i = 0; i < N; ++i)
+            if (!Firm && i % M != 0) out.cost += kSlopeCost * p[i] * p[i];
+        if (!derivatives) return out;
+        for (int i = 0; i < kFree; ++i) {
+            out.gradient[i] = sums.products[kFree][i] * scale + pull * tilt * sums.sums[i];
+            for (int j = 0; j <= i; ++j) out.hessian[i][j] = sums.products[i][j] * scale + pull * sums.sums[i] * sums.sums[j];
+            if (!Firm && i % M != 0) {
+                out.gradient[i] += kSlopeCost * p[i];
+                out.hessian[i][i] += kSlopeCost;
+            }
+        }
+        return out;
+    }
+
+    // The step of the damped normal equations, as a change of the parameters.
+    bool step(const Sums& at, double damping, std::array<double, N>& out) const {
+        Matrix a = at.hessian;
+        Vector b;
+        for (int i = 0; i < kFree; ++i) {
+            b[i] = -at.gradient[i];
+            a[i][i] += damping * a[i][i] + 1e-9;
+        }
+        if (!solve<kFree>(a, b)) return false;
+        if constexpr (Firm) {
+            for (int k = 0; k < K; ++k) {
+                out[k * M] = b[k * 3];
+                for (int c = 0; c < 3; ++c) out[k * M + 1 + c] = b[k * 3 + 1] * at.tangents[2 * k][c] + b[k * 3 + 2] * at.tangents[2 * k + 1][c];
+            }
+        } else {
+            out = b;
+        }
+        return true;
+    }
+
+    void tidy(Parameters& p) const {
+        for (int k = 0; k < K; ++k) {
+            float squared = 0;
+            for (int m = 1; m < M; ++m) squared += p[k * M + m] * p[k * M + m];
+            float scale = std::min(1.0f, kSlopeLimit<M> / std::sqrt(std::max(squared, 1e-12f)));
+            if (Firm) scale = options.firmness / std::sqrt(std::max(squared, 1e-12f));
+            for (int m = 1; m < M; ++m) p[k * M + m] *= scale;
+            p[k * M] = std::clamp(p[k * M] * scale, -3 * kSlopeLimit<M>, 3 * kSlopeLimit<M>);
+        }
+    }
+
+    // Levenberg and Marquardt from `p`.
+    Sums descend(Parameters& p, int steps) const {
+        tidy(p);
+        Sums now = evaluate(p, true);
+        double damping = 1e-2;
+        for (int i = 0; i < steps; ++i) {
+            std::array<double, N> move;
+            if (!step(now, damping, move)) break;
+            Parameters q = p;
+            for (int k = 0; k < K; ++k) {
+                // No further in one step than the lobe is long.
+                double length = 0, moved = 0;
+                for (int m = 0; m < M; ++m) length += double(p[k * M + m]) * p[k * M + m], moved += move[k * M + m] * move[k * M + m];
+                const double scale = std::min(1.0, (4 + std::sqrt(length)) / std::sqrt(std::max(moved, 1e-30)));
+                for (int m = 0; m < M; ++m) q[k * M + m] += float(scale * move[k * M + m]);
+            }
+            tidy(q);
+            const Sums next = evaluate(q, true);
+            if (next.cost < now.cost) {
+                const bool done = next.cost > now.cost * (1 - 1e-4);
+                p = q;
+                now = next;
+                damping = std::max(damping * 0.2, 1e-7);
+                if (done) break;
+            } else {
+                damping = std::max(damping * 6, 1e-4);
+                if (damping > 1e5) break;
+            }
+        }
+        return now;
+    }
+
+    // The same, with a try at a much sharper edge for each lobe: the way there is long and flat.
+    Sums run(Parameters& p, int steps) const {
+        Sums now = descend(p, steps);
+        if constexpr (Firm) return now;
+        bool sharpened = false;
+        for (int k = 0; k < K; ++k)
+            for (const float times : {2.0f, 5.0f}) {
+                Parameters q = p;
+                for (int m = 0; m < M; ++m) q[k * M + m] *= times;
+                tidy(q);
+                if (const Sums there = evaluate(q, false); there.cost < now.cost) {
+                    now.cost = there.cost;
+                    p = q;
+                    sharpened = true;
+                }
+            }
+        return sharpened ? descend(p, steps) : evaluate(p, false);
+    }
+};
+
+using Arrangement = std::vector<CapDictionary::Cap>;  // caps whose intersection is meant
+
+struct Cluster {
+    glm::vec3 centre;
+    float share;       // of all directions
+    glm::mat3 spread;  // the mean of (w - centre) (w - centre)^T
+};
+
+// What blocks (for an inverse fit, what is open) as `count` clusters, weighed by the cosine. The cluster that
+// spreads most is split across its longest axis, and all are settled by Lloyd's iteration.
+std::vector<Cluster> clusters(const Samples& samples, bool inverse, int count) {
+    const SampleLattice& lattice = *samples.lattice;
+    std::vector<glm::vec3> at;
+    std::vector<float> weight;
+    for (size_t i = 0; i < lattice.directions().size(); ++i)
+        if (samples.isOpen(i) == inverse) {
+            at.push_back(lattice.directions()[i]);
+            weight.push_back(at.back().z);
+        }
+    if (at.empty()) return std::vector<Cluster>(size_t(count), {{0, 0, -1}, 0.0f, glm::mat3(0)});
+    std::vector<int> owner(at.size(), 0);
+    std::vector<glm::vec3> centre(1, glm::vec3(0));
+    auto settle = [&](int iterations) {
+        for (int n = 0; n < iterations; ++n) {
+            std::vector<glm::vec3> sum(centre.size(), glm::vec3(0));
+            for (size_t i = 0; i < at.size(); ++i) sum[size_t(owner[i])] += weight[i] * at[i];
+            for (size_t c = 0; c < centre.size(); ++c)
+                if (glm::length(sum[c]) > 0) centre[c] = glm::normalize(sum[c]);
+            for (size_t i = 0; i < at.size(); ++i)
+                for (size_t c = 0; c < centre.size(); ++c)
+                    if (glm::dot(centre[c], at[i]) > glm::dot(centre[size_t(owner[i])], at[i])) owner[i] = int(c);
+        }
+    };
+    settle(1);
+    for (int k = 1; k < count; ++k) {
+        std::vector<glm::mat3> spread(centre.size(), glm::mat3(0));
+        for (size_t i = 0; i < at.size(); ++i) {
+            const glm::vec3 off = at[i] - centre[size_t(owner[i])];
+            spread[size_t(owner[i])] += weight[i] * glm::outerProduct(off, off);
+        }
+        size_t widest = 0;
+        auto size = [&](size_t c) { return spread[c][0][0] + spread[c][1][1] + spread[c][2][2]; };
+        for (size_t c = 1; c < centre.size(); ++c)
+            if (size(c) > size(widest)) widest = c;
+        glm::vec3 axis(0.5f, 0.62f, 0.6f);
+        for (int n = 0; n < 12; ++n) {
+            const glm::vec3 next = spread[widest] * axis;
+            if (!(glm::length(next) > 1e-12f)) break;
+            axis = glm::normalize(next);
+        }
+        for (size_t i = 0; i < at.size(); ++i)
+            if (size_t(owner[i]) == widest && glm::dot(axis, at[i] - centre[widest]) > 0) owner[i] = int(centre.size());
+        centre.push_back(centre[widest]);
+        settle(2);
+    }
+    std::vector<Cluster> out;
+    for (const glm::vec3& c : centre) out.push_back({c, 0, glm::mat3(0)});
+    for (size_t i = 0; i < at.size(); ++i) {
+        Cluster& c = out[size_t(owner[i])];
+        c.share += 1 / float(lattice.rays());
+        c.spread += glm::outerProduct(at[i] - c.centre, at[i] - c.centre) / float(lattice.rays());
+    }
+    for (Cluster& c : out) c.spread /= std::max(c.share, 1e-6f);
+    return out;
+}
+
+// The cap that leaves the cluster out.
+CapDictionary::Cap capWithout(const Cluster& cluster) { return {-cluster.centre, cluster.share - 1}; }
+
+// Two caps whose intersection holds the cluster: a lens with its tips on the longer axis.
+std::array<CapDictionary::Cap, 2> lensAround(const Cluster& cluster) {
+    const glm::vec3 c = cluster.centre, u = tangentTo(c), v = glm::cross(c, u);
+    const float uu = glm::dot(u, cluster.spread * u), vv = glm::dot(v, cluster.spread * v), uv = glm::dot(u, cluster.spread * v);
+    const float turn = 0.5f * std::atan2(2 * uv, uu - vv), middle = 0.5f * (uu + vv), half = std::hypot(0.5f * (uu - vv), uv);
+    const glm::vec3 along = std::cos(turn) * u + std::sin(turn) * v, across = glm::cross(c, along);
+    // Of an even ellipse the half axes are twice the deviations.
+    const float length = std::clamp(2.2f * std::sqrt(std::max(middle + half, 0.0f)), 0.05f, 1.4f);
+    const float breadth = std::clamp(2 * std::sqrt(std::max(middle - half, 0.0f)), 0.02f, 0.7f * length);
+    const glm::vec3 tip = std::cos(length) * c + std::sin(length) * along, other = std::cos(length) * c - std::sin(length) * along;
+    std::array<CapDictionary::Cap, 2> out;
+    for (int side = 0; side < 2; ++side) {
+        const glm::vec3 edge = std::cos(breadth) * c + (side ? 1.0f : -1.0f) * std::sin(breadth) * across;
+        glm::vec3 axis = glm::normalize(glm::cross(other - tip, edge - tip));
+        if (glm::dot(axis, c - edge) < 0) axis = -axis;
+        out[size_t(side)] = {axis, glm::dot(axis, edge)};
+    }
+    return out;
+}
+
+// The best start so far of any arrangement of K lobes.
+template <int K>
+struct Best {
+    std::array<float, K * 4> parameters{};
+    double cost = 1e30;
+    bool inverse = false;
+    int pairs = 0;
+};
+
+template <int K, bool Firm, int L>
+void tryStarts(const Samples& samples, bool inverse, const LobeFitOptions& options, std::span<const Arrangement> starts, Best<K>& best) {
+    // Edges as soft as samples are apart: harder ones would not feel where to go.
+    LobeFitOptions hazy = options;
+    if (Firm) hazy.firmness = std::min(options.firmness, kFirstFirmness);
+    const float firmness = Firm ? hazy.firmness : 6;
+    const Fitter<K, 4, Firm, L> fitter{*samples.lattice, samples.open.data(), inverse, hazy};
+    for (const Arrangement& start : starts) {
+        std::array<float, K * 4> p;
+        for (int k = 0; k < K; ++k) {
+            const CapDictionary::Cap& cap = start[size_t(k)];
+            p[k * 4] = -firmness * cap.cosine;
+            for (int c = 0; c < 3; ++c) p[k * 4 + 1 + c] = firmness * cap.axis[c];
+        }
+        const double cost = fitter.descend(p, std::min(options.firstSteps, options.steps)).cost;
+        if (cost < best.cost) best = {p, cost, inverse, L};
+    }
+}
+
+template <int K, bool Firm, int L>
+double finish(const Samples& samples, const LobeFitOptions& options, Best<K>& best) {
+    return Fitter<K, 4, Firm, L>{*samples.lattice, samples.open.data(), best.inverse, options}.run(best.parameters, options.steps).error;
+}
+
+// Every choice of which of the clusters the pairs leave out.
+template <int K, int L>
+std::vector<Arrangement> pairedStarts(const Samples& samples, bool inverse) {
+    const std::vector<Cluster> found = clusters(samples, inverse, K - L);
+    std::vector<Arrangement> out;
+    for (int paired = 0; paired < 1 << found.size(); ++paired) {
+        if (std::popcount(unsigned(paired)) != L) continue;
+        Arrangement& start = out.emplace_back();
+        for (size_t c = 0; c < found.size(); ++c)
+            if (paired >> c & 1)
+                for (const CapDictionary::Cap& cap : lensAround(found[c])) start.push_back(cap);
+        for (size_t c = 0; c < found.size(); ++c)
+            if (!(paired >> c & 1)) start.push_back(capWithout(found[c]));
+    }
+    return out;
+}
+
+template <int K, bool Firm>
+LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
+    Best<K> best;
+    for (const bool inverse : {false, true}) {
+        if (sides != LobeFitSides::Both && inverse != (sides == LobeFitSides::Inverse)) continue;
+        std::vector<uint64_t> bits = samples.bits;
+        if (inverse)
+            for (size_t w = 0; w < bits.size(); ++w) bits[w] = ~bits[w] & samples.lattice->allBits[w];
+        std::vector<Arrangement> starts = pairedStarts<K, 0>(samples, inverse);
+        for (const std::vector<int>& found : dictionary.nearest(bits, K, options.starts)) {
+            Arrangement& caps = starts.emplace_back();
+            for (int c : found) caps.push_back(dictionary.cap(size_t(c)));
+        }
+        tryStarts<K, Firm, 0>(samples, inverse, options, starts, best);
+        if (!options.pairs) continue;
+        if constexpr (Firm && K >= 3)
+            tryStarts<K, Firm, 1>(samples, inverse, options, pairedStarts<K, 1>(samples, inverse), best);
+        if constexpr (Firm && K >= 4) tryStarts<K, Firm, 2>(samples, inverse, options, pairedStarts<K, 2>(samples, inverse), best);
+    }
+    LobeFit out;
+    out.error = [&] {
+        if constexpr (Firm && K >= 4)
+            if (best.pairs == 2) return finish<K, Firm, 2>(samples, options, best);
+        if constexpr (Firm && K >= 3)
+            if (best.pairs == 1) return finish<K, Firm, 1>(samples, options, best);
+        return finish<K, Firm, 0>(samples, options, best);
+    }();
+    out.count = K;
+    out.inverse = best.inverse;
+    out.pairs = best.pairs;
+    const auto& p = best.parameters;
+    for (int k = 0; k < K; ++k) out.lobes[k] = {p[k * 4 + 1], p[k * 4 + 2], p[k * 4 + 3], p[k * 4]};
+    return out;
+}
+
+}  // namespace
+
+CapDictionary::CapDictionary(const SampleLattice& lattice, int axes, int heights)
+    : words_(lattice.wordWeight.size()) {
+    for (float weight : lattice.wordWeight) wordWeight_.push_back(uint32_t(weight * 4096));
+    // Everything, for lobes that have nothing left to do.
+    caps_.push_back({{0, 0, 1}, -1.2f});
+    masks_ = lattice.allBits;
+    for (int a = 0; a < axes; ++a) {
+        const double z = 1 - 2 * (a + 0.5) / axes, s = std::sqrt(1 - z * z), turn = a * std::numbers::pi * (3 - std::sqrt(5.0));
+        const glm::vec3 axis(s * std::cos(turn), s * std::sin(turn), z);
+        for (int h = 0; h < heights; ++h) {
+            const float cosine = float(0.98 - 1.9 * h / (heights - 1));
+            std::vector<uint64_t> mask(words_);
+            int inside = 0;
+            for (size_t i = 0; i < lattice.byHeight.size(); ++i)
+                if (glm::dot(axis, lattice.directions()[size_t(lattice.byHeight[i])]) >= cosine) {
+                    mask[i / 64] |= uint64_t(1) << i % 64;
+                    ++inside;
+                }
+            if (inside == 0 || inside == lattice.rays()) continue;
+            caps_.push_back({axis, cosine});
+            masks_.insert(masks_.end(), mask.begin(), mask.end());
+        }
+    }
+}
+
+namespace {
+
+// How well each of the masks, cut to `under`, fits: weighed samples of `bits` that it holds, times `hit`, less all
+// that it holds, times `held`.
+struct MaskScores {
+    std::span<const uint64_t> masks;
+    std::span<const uint32_t> weights;  // of the words of each
+    const uint64_t *under, *bits;
+    int64_t hit, held;
+};
+
+// Words > 0: the number of words a mask, known beforehand.
+template <size_t Words = 0>
+[[gnu::always_inline]] inline void score(const MaskScores& m, std::span<int64_t> out) {
+    const size_t words = Words ? Words : m.weights.size();
+    for (size_t c = 0; c < out.size(); ++c) {
+        uint64_t hits = 0, all = 0;
+        for (size_t w = 0; w < words; ++w) {
+            const uint64_t mask = m.under[w] & m.masks[c * words + w];
+            hits += m.weights[w] * uint64_t(std::popcount(mask & m.bits[w]));
+            all += m.weights[w] * uint64_t(std::popcount(mask));
+        }
+        out[c] = m.hit * int64_t(hits) - m.held * int64_t(all);
+    }
+}
+
+void scorePlainly(const MaskScores& m, std::span<int64_t> out) { score(m, out); }
+#if defined(__x86_64__) && defined(__GNUC__)
+// With an instruction for popcount, which the oldest of these processors lack.
+[[gnu::target("popcnt")]] void scoreFast(const MaskScores& m, std::span<int64_t> out) {
+    m.weights.size() == 4 ? score<4>(m, out) : score(m, out);  // 4: of 256 rays
+}
+#endif
+
+}  // namespace
+
+std::vector<std::vector<int>> CapDictionary::nearest(const std::vector<uint64_t>& bits, int count, int wanted) const {
+    struct Start {
+        std::vector<int> caps;
+        std::vector<uint64_t> mask;
+    };
+    std::vector<std::vector<int>> out;
+    if (wanted <= 0) return out;
+    // Beams of partial arrangements. A first cap that leaves open what is blocked can be mended by those
+    // after it, one that blocks what is open cannot: of the former only `held` parts in ten count.
+    std::vector<Start> beam{{{}, std::vector<uint64_t>(words_, ~uint64_t(0))}};
+    std::vector<int64_t> scores(caps_.size());
+    for (int k = 0; k < count; ++k) {
+        const int held = k == count - 1 ? 10 : 4;
+        struct Grown {
+            int64_t score;
+            size_t from, cap;
+        };
+        std::vector<Grown> grown;
+        for (size_t from = 0; from < beam.size(); ++from) {
+            const MaskScores how{masks_, wordWeight_, beam[from].mask.data(), bits.data(), 10 + held, held};
+#if defined(__x86_64__) && defined(__GNUC__)
+            static const bool fast = __builtin_cpu_supports("popcnt");
+            (fast ? scoreFast : scorePlainly)(how, scores);
+#else
+            scorePlainly(how, scores);
+#endif
+            for (size_t c = 0; c < caps_.size(); ++c) {
+                if (grown.size() == size_t(wanted) && scores[c] <= grown.back().score) continue;
+                const auto at = std::upper_bound(grown.begin(), grown.end(), scores[c], [](int64_t x, const Grown& g) { return x > g.score; });
+                grown.insert(at, {scores[c], from, c});
+                if (grown.size() > size_t(wanted)) grown.pop_back();
+            }
+        }
+        std::vector<Start> next;
+        for (const Grown& g : grown) {
+            Start s{beam[g.from].caps, beam[g.from].mask};
+            s.caps.push_back(int(g.cap));
+            for (size_t w = 0; w < words_; ++w) s.mask[w] &= masks_[g.cap * words_ + w];
+            next.push_back(std::move(s));
+        }
+        beam = std::move(next);
+    }
+    for (const Start& s : beam) out.push_back(s.caps);
+    return out;
+}
+
+LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
+    assert(options.firmness > 0 || options.lobes <= 2);
+    const bool firm = options.firmness > 0;
+    switch (options.lobes) {
+        case 1: return (firm ? fitCount<1, true> : fitCount<1, false>)(samples, dictionary, sides, options);
+        case 2: return (firm ? fitCount<2, true> : fitCount<2, false>)(samples, dictionary, sides, options);
+        case 3: return fitCount<3, true>(samples, dictionary, sides, options);
+        default: return fitCount<4, true>(samples, dictionary, sides, options);
+    }
+}
+
+LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options) {
+    using F = Fitter<1, 4, false, 0>;
+    typename F::Parameters p{start.w, start.x, start.y, start.z};
+    LobeFit out;
+    out.error = F{*samples.lattice, samples.open.data(), false, options}.run(p, options.steps).error;
+    out.count = 1;
+    out.lobes[0] = {p[1], p[2], p[3], p[0]};
+    return out;
+}
+
+QuadricFit fitQuadric(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options) {
+    using F = Fitter<1, 9, false, 0>;
+    typename F::Parameters p{start.w, start.x, start.y, start.z};
+    QuadricFit out;
+    out.error = F{*samples.lattice, samples.open.data(), false, options}.run(p, options.steps).error;
+    out.lobe = {p[1], p[2], p[3], p[0]};
+    for (int i = 0; i < 5; ++i) out.bend[i] = p[size_t(4 + i)];
+    return out;
+}
+
+}  // namespace apertura

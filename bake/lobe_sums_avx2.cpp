@@ -1,2 +1,0 @@
-#define APERTURA_LANES avx2
-#include "bake/lobe_sums.inc"

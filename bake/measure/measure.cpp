@@ -1,0 +1,378 @@
+#include "bake/measure/measure.h"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "bake/fit/bake.h"
+#include "bake/fit/choose.h"
+#include "bake/sampling/directions.h"
+#include "bake/sampling/progress.h"
+#include "sh/packing.h"
+
+namespace apertura {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kLeakCosine = 0.1;  // of a light to the normal, from which on what it leaks counts
+constexpr double kPathRadius = 5;  // degrees, of the light that PathRow speaks of
+
+// E / (L pi sin^2 r) as the model has it.
+float modelValue(int model, const Receiver& receiver, const CapLight& light) {
+    return lightThrough(model, receiver, light, lightsOf(light.sinRadius)) / light.area;
+}
+
+// The receivers of a scene, their lights, and the truth for each radius.
+struct Ground {
+    std::vector<SurfaceSample> points;
+    std::vector<std::vector<glm::vec3>> lights;               // a receiver
+    std::vector<std::vector<std::vector<TruthSample>>> truth;  // [receiver][radius][light]
+};
+
+Ground traceGround(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options, const Progress& progress) {
+    Ground ground;
+    ground.points = sampleSurface(scene, options.receivers, options.seed, region.region);
+    const size_t n = ground.points.size();
+    ground.lights.resize(n);
+    ground.truth.resize(n);
+    ProgressCounter counter(progress, n);
+    tbb::parallel_for(size_t(0), n, [&](size_t i) {
+        if (counter.stopped()) return;
+        const SurfacePoint& point = ground.points[i].at;
+        ground.lights[i] = lightDirections(region, point, options.seed, i);
+        for (size_t r = 0; r < options.lightRadii.size(); ++r) {
+            std::vector<TruthSample> row;
+            for (size_t k = 0; k < ground.lights[i].size(); ++k)
+                row.push_back(traceLight(tracer, point, ground.lights[i][k], options.lightRadii[r] * kPi / 180,
+                                         options.lightSamples, 2 * kPi * hashUnit(options.seed, i, 100 + k)));
+            ground.truth[i].push_back(std::move(row));
+        }
+        counter.add(1);
+    });
+    counter.throwIfStopped();
+    return ground;
+}
+
+// One model at every receiver. Of models whose forms may not be mixed a receiver has three corners, weighed.
+struct Made {
+    const Model* model;
+    std::string source;
+    double numbers, bytes;
+    std::vector<std::vector<std::pair<float, Receiver>>> receivers;
+};
+
+void addRows(const Ground& ground, const Made& made, const std::vector<Visibility>& truth, const MeasureOptions& options,
+             std::vector<MeasureRow>& rows) {
+    const size_t n = made.receivers.size();
+    double ambient = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double sky = -std::max(glm::dot(ground.points[i].at.normal, truth[i].direction), 0.0f);
+        for (const auto& [weight, receiver] : made.receivers[i]) sky += weight * skyThrough(made.model->id, receiver);
+        ambient += sky * sky / (kPi * kPi);
+    }
+    for (size_t r = 0; r < options.lightRadii.size(); ++r) {
+        MeasureRow row;
+        row.model = made.model->name;
+        row.source = made.source;
+        row.numbers = made.numbers;
+        row.bytes = made.bytes;
+        row.lightRadius = options.lightRadii[r];
+        row.ambient = std::sqrt(ambient / double(n));
+        size_t count = 0;
+        std::vector<double> leaks;
+        for (size_t i = 0; i < n; ++i) {
+            double here = 0;
+            for (size_t k = 0; k < ground.lights[i].size(); ++k) {
+                const TruthSample& sample = ground.truth[i][r][k];
+                const CapLight light = capLight(ground.lights[i][k], float(std::sin(row.lightRadius * kPi / 180)));
+                double e = -sample.mean();
+                const bool blocked = sample.first <= 0 && sample.second <= 0 && glm::dot(ground.lights[i][k], ground.points[i].at.normal) > kLeakCosine;
+                for (const auto& [weight, receiver] : made.receivers[i]) e += weight * modelValue(made.model->id, receiver, light);
+                if (blocked) leaks.push_back(e);
+                here += e * e;
+                row.bias += e;
+                row.max = std::max(row.max, std::abs(e));
+                row.rmsTruth += double(sample.mean()) * sample.mean();
+                row.noise += double(sample.noise()) * sample.noise();
+                ++count;
+            }
+            row.rmse += here;
+            row.receiverRmse.push_back(float(std::sqrt(here / double(ground.lights[i].size()))));
+        }
+        row.rmse = std::sqrt(row.rmse / double(count));
+        row.rmsTruth = std::sqrt(row.rmsTruth / double(count));
+        row.noise = std::sqrt(row.noise / double(count));
+        row.bias /= double(count);
+        if (!leaks.empty()) {
+            std::sort(leaks.begin(), leaks.end());
+            row.leakMax = std::max(leaks.back(), 0.0);
+            row.leak99 = std::max(leaks[size_t(0.99 * double(leaks.size() - 1))], 0.0);
+        }
+        rows.push_back(row);
+    }
+}
+
+bool asked(const MeasureOptions& options, const Model& model) {
+    return options.models.empty() || std::find(options.models.begin(), options.models.end(), &model) != options.models.end();
+}
+
+// The models that a recipe's points are measured as: its own, or those that are made from the four numbers.
+// The coefficients of the best soft aperture are for that alone.
+std::vector<const Model*> modelsOf(const Recipe& recipe, const MeasureOptions& options) {
+    std::vector<const Model*> out;
+    if (recipe.source == "transfer") return out;  // measured by where it leads: see comparePaths
+    for (const Model& model : models()) {
+        const bool own = recipe.model >= 0 ? model.id == recipe.model
+                       : recipe.source == "fit" ? model.id == MODEL_SOFT
+                                                : model.fromVisibility != nullptr;
+        if (own && asked(options, model)) out.push_back(&model);
+    }
+    return out;
+}
+
+// Numbers that stand beside the four.
+int storedAt(const Model& model, const Recipe& recipe) { return recipe.model >= 0 ? storedNumbers(model) : 0; }
+
+// The mean of what the models that `auto` chose read.
+double chosenNumbers(const Asset& asset) {
+    double sum = 0, count = 0;
+    for (const SeenByInstance& seen : asset.seen)
+        for (const Form& form : seen.forms) sum += models()[size_t(chosenModel(MODEL_AUTO, form))].numbers, ++count;
+    return sum / std::max(count, 1.0);
+}
+
+const Model& apertureModel() { return models()[MODEL_APERTURE]; }
+
+std::vector<Receiver> receiversFrom(const Ground& ground, const std::vector<Visibility>& visibility) {
+    std::vector<Receiver> out;
+    for (size_t i = 0; i < visibility.size(); ++i) out.push_back(toReceiver(apertureModel(), visibility[i], ground.points[i].at.normal));
+    return out;
+}
+
+Aperture apertureOf(const Receiver& receiver) { return makeAperture(vec3(receiver.form[0]), receiver.form[0].w); }
+
+PathRow comparePath(const Ground& ground, const std::string& stage, const std::string& source,
+                    const std::vector<Receiver>& reference, const std::vector<Receiver>& changed) {
+    PathRow row{stage, source};
+    double lights = 0, axes = 0;
+    for (size_t i = 0; i < reference.size(); ++i) {
+        const Aperture a = apertureOf(reference[i]), b = apertureOf(changed[i]);
+        const double radius = (double(capRadius(b.height)) - capRadius(a.height)) * 180 / kPi;
+        row.radiusRms += radius * radius;
+        row.radiusMax = std::max(row.radiusMax, std::abs(radius));
+        if (a.height > 1e-4f) {  // a closed point has no direction to lose
+            const double angle = 2 * std::asin(std::min(0.5 * glm::length(glm::dvec3(a.axis) - glm::dvec3(b.axis)), 1.0)) * 180 / kPi;
+            row.directionRms += angle * angle;
+            row.directionMax = std::max(row.directionMax, angle);
+            ++axes;
+        }
+        for (const glm::vec3& l : ground.lights[i]) {
+            const CapLight light = capLight(l, float(std::sin(kPathRadius * kPi / 180)));
+            const double e = modelValue(MODEL_APERTURE, changed[i], light) - modelValue(MODEL_APERTURE, reference[i], light);
+            row.irradianceRms += e * e;
+            ++lights;
+        }
+    }
+    row.directionRms = std::sqrt(row.directionRms / std::max(axes, 1.0));
+    row.radiusRms = std::sqrt(row.radiusRms / double(reference.size()));
+    row.irradianceRms = std::sqrt(row.irradianceRms / std::max(lights, 1.0));
+    return row;
+}
+
+float throughByte(float value, float top) { return std::round(std::clamp(value / top, -1.0f, 1.0f) * 127) / 127 * top; }
+
+// The four coefficients themselves as bytes, each over its possible range.
+Visibility shThroughBytes(const Visibility& v) {
+    const Sh4 largest = toSh4({glm::vec3(float(kPi)), float(2 * kPi)});
+    Sh4 sh = toSh4(v);
+    for (int i = 0; i < 4; ++i) sh.c[i] = throughByte(sh.c[i], largest.c[i]);
+    return toVisibility(sh);
+}
+
+// An aperture's axis and radius as bytes.
+Receiver apertureThroughBytes(Receiver receiver) {
+    Aperture a = apertureOf(receiver);
+    for (int i = 0; i < 3; ++i) a.axis[i] = throughByte(a.axis[i], 1);
+    a.axis = glm::normalize(a.axis);
+    const float radius = (throughByte(capRadius(a.height) * 4 / PI - 1, 1) + 1) * PI / 4;
+    receiver.form[0] = vec4(a.axis, 1 - std::cos(radius));
+    return settled(MODEL_APERTURE, receiver);
+}
+
+std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, const Ground& ground,
+                                  const std::vector<Visibility>& sh, const std::vector<Visibility>& rays,
+                                  const std::vector<Visibility>& transfer, const BakeOptions& bake, const Progress& progress) {
+    const std::vector<Receiver> reference = receiversFrom(ground, sh);
+    std::vector<PathRow> out;
+    out.push_back(comparePath(ground, "at the receiver, unquantised: the same by construction", "rays", reference, receiversFrom(ground, rays)));
+    out.push_back(comparePath(ground, "cosine-weighted transfer, converted, instead of visibility", "sh", reference, receiversFrom(ground, transfer)));
+    auto through = [&](auto&& change) {
+        std::vector<Visibility> changed;
+        for (const Visibility& v : sh) changed.push_back(change(v));
+        return receiversFrom(ground, changed);
+    };
+    out.push_back(comparePath(ground, "the asset's 4 bytes", "sh", reference, through([](const Visibility& v) { return unpack(pack8(v)); })));
+    out.push_back(comparePath(ground, "the asset's 8 bytes", "sh", reference, through([](const Visibility& v) { return unpack(pack16(v)); })));
+    out.push_back(comparePath(ground, "4 bytes of raw coefficients", "sh", reference, through(shThroughBytes)));
+    std::vector<Receiver> packed;
+    for (const Receiver& r : reference) packed.push_back(apertureThroughBytes(r));
+    out.push_back(comparePath(ground, "4 bytes of axis and radius", "rays", reference, packed));
+
+    // The corners of each receiver's triangle, seen with its own normal; then mixed.
+    std::vector<SurfacePoint> corners;
+    for (const SurfaceSample& p : ground.points) {
+        const Instance& instance = scene.instances[p.instance];
+        const Surface& surface = scene.surfaces[instance.surface];
+        for (uint32_t v : surface.triangles[p.triangle]) {
+            corners.push_back({glm::mix(worldPosition(instance, surface.positions[v]), p.at.position, 0.01), p.at.normal, p.at.longest});
+        }
+    }
+    const std::vector<BakedPoint> at = bakePoints(RayOcclusion(tracer), corners, bake, progress);
+    auto mixed = [&](bool even, bool coefficients) {
+        std::vector<Receiver> receivers;
+        for (size_t i = 0; i < ground.points.size(); ++i) {
+            const glm::vec3 w = even ? glm::vec3(1 / 3.0f) : ground.points[i].weights, n = ground.points[i].at.normal;
+            Visibility sum;
+            vec4 mix(0);
+            for (int c = 0; c < 3; ++c) {
+                const Visibility& v = at[3 * i + c].visibility;
+                sum.area += w[c] * v.area;
+                sum.direction += w[c] * v.direction;
+                mix += w[c] * toForm(apertureModel(), v, nullptr, n)[0];
+            }
+            receivers.push_back(coefficients ? toReceiver(apertureModel(), sum, n) : settled(MODEL_APERTURE, toReceiver(sum, {mix}, n)));
+        }
+        return receivers;
+    };
+    out.push_back(comparePath(ground, "interpolated over its triangle, then converted", "sh", reference, mixed(false, true)));
+    out.push_back(comparePath(ground, "apertures interpolated over its triangle", "rays", reference, mixed(false, false)));
+    out.push_back(comparePath(ground, "filtered over its triangle, then converted", "sh", reference, mixed(true, true)));
+    out.push_back(comparePath(ground, "apertures filtered over its triangle", "rays", reference, mixed(true, false)));
+    return out;
+}
+
+std::optional<tbb::global_control> limitThreads(int threads) {
+    std::optional<tbb::global_control> limit;
+    if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads));
+    return limit;
+}
+
+}  // namespace
+
+Measurement measureScene(const Scene& scene, const MeasureOptions& options, const Progress& progress) {
+    const auto limit = limitThreads(options.threads);
+    const Tracer tracer(scene, part(progress, 0, 0));
+    const Ground ground = traceGround(scene, measuredRegion(scene.name, scene), tracer, options, part(progress, 0, 0.6));
+    std::vector<SurfacePoint> points;
+    for (const SurfaceSample& p : ground.points) points.push_back(p.at);
+    const RayOcclusion occlusion(tracer);
+    BakeOptions bake;
+    bake.rays = options.rays;
+    bake.seed = options.seed;
+
+    std::vector<std::pair<const Recipe*, std::vector<const Model*>>> wanted;
+    for (const Recipe& recipe : recipes())
+        if (auto models = modelsOf(recipe, options); !models.empty()) wanted.emplace_back(&recipe, models);
+    const FitTools tools(options.rays);
+    FitOptions how{options.tolerance};
+    if (asked(options, models()[MODEL_AUTO])) how.price = priceAt(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7));
+    std::vector<std::vector<BakedPoint>> baked(wanted.size(), std::vector<BakedPoint>(points.size()));
+    std::vector<Visibility> sh(points.size()), rays(points.size()), transfer(points.size());
+    samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.7, 0.95), [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+        for (size_t k = 0; k < wanted.size(); ++k) baked[k][i] = makePoint(*wanted[k].first, tools, samples, frame, how);
+        sh[i] = makePoint(*findRecipe("sh"), tools, samples, frame, how).visibility;
+        rays[i] = makePoint(*findRecipe("rays"), tools, samples, frame, how).visibility;
+        transfer[i] = makePoint(*findRecipe("transfer"), tools, samples, frame, how).visibility;
+    });
+
+    Measurement out;
+    out.scene = scene.name;
+    out.receivers = int(points.size());
+    for (const SurfacePoint& p : points) out.positions.push_back(p.position);
+    for (size_t k = 0; k < wanted.size(); ++k) {
+        const Recipe& recipe = *wanted[k].first;
+        for (const Model* model : wanted[k].second) {
+            Made made{model, std::string(recipe.source), double(model->numbers), 4.0 + storedAt(*model, recipe), {}};
+            double chosen = 0, bytes = 0, missed = 0;
+            for (size_t i = 0; i < points.size(); ++i) {
+                const BakedPoint& p = baked[k][i];
+                const Form* stored = recipe.model >= 0 ? &p.form : nullptr;
+                made.receivers.push_back({{1.0f, toReceiver(p.visibility, toForm(*model, p.visibility, stored, points[i].normal), points[i].normal)}});
+                if (model->id != MODEL_AUTO) continue;
+                const Model& own = models()[size_t(chosenModel(MODEL_AUTO, p.form))];
+                chosen += own.numbers;
+                bytes += storedNumbers(own);
+                missed += p.form[4].z;
+            }
+            if (model->id == MODEL_AUTO) {
+                made.numbers = chosen / double(points.size());
+                made.bytes = 5 + bytes / double(points.size());  // the four, which it is, and its own
+                out.unreached = missed / double(points.size());
+            } else if (recipe.model >= 0 && model->fromVisibility) {
+                made.numbers = storedNumbers(*model);
+            }
+            addRows(ground, made, sh, options, out.rows);
+        }
+    }
+    bake.recipe = "sh";
+    out.paths = comparePaths(scene, tracer, ground, sh, rays, transfer, bake, part(progress, 0.95, 1));
+    return out;
+}
+
+Measurement measureAsset(const Asset& asset, const MeasureOptions& options, const Progress& progress) {
+    const auto limit = limitThreads(options.threads);
+    const Tracer tracer(asset.scene, part(progress, 0, 0));
+    const Ground ground = traceGround(asset.scene, measuredRegion(asset.info.scene, asset.scene), tracer, options, part(progress, 0, 0.9));
+    std::vector<SurfacePoint> points;
+    for (const SurfaceSample& p : ground.points) points.push_back(p.at);
+    BakeOptions bake;
+    bake.rays = options.rays;
+    bake.seed = options.seed;
+    std::vector<Visibility> truth;
+    for (const BakedPoint& p : bakePoints(RayOcclusion(tracer), points, bake, part(progress, 0.9, 1))) truth.push_back(p.visibility);
+
+    Measurement out;
+    out.scene = asset.scene.name;
+    out.receivers = int(points.size());
+    for (const SurfacePoint& p : points) out.positions.push_back(p.position);
+    const Model* own = storedModel(asset.info);
+    for (const Model& model : models()) {
+        const bool stored = own == &model;
+        if ((!stored && !model.fromVisibility) || !asked(options, model)) continue;
+        const Recipe* recipe = findRecipe(asset.info.model);
+        // Models that are stored leave the four numbers what they are; `auto` may store those of a fit.
+        const bool own4 = recipe && (stored || recipe->model < 0 || recipe->model == MODEL_AUTO);
+        Made made{&model, std::string(own4 ? recipe->source : "sh"), double(model.numbers), bytesAPoint(asset), {}};
+        if (stored && model.id == MODEL_AUTO) made.numbers = chosenNumbers(asset);
+        if (stored && model.fromVisibility) made.numbers = storedNumbers(model);
+        for (const SurfaceSample& p : ground.points) {
+            const Instance& instance = asset.scene.instances[p.instance];
+            const Surface& surface = asset.scene.surfaces[instance.surface];
+            const SeenByInstance& seen = asset.seen[p.instance];
+            const glm::mat3 normals = normalMatrix(instance.toWorld);
+            Visibility sum;
+            Form mix{};
+            std::vector<std::pair<float, Receiver>> corners;
+            for (int c = 0; c < 3; ++c) {
+                const uint32_t v = surface.triangles[p.triangle][c];
+                const float w = p.weights[c];
+                const vec3 normal = glm::normalize(normals * surface.normals[v]);
+                const Form form = toForm(model, seen.visibility[v], stored ? &seen.forms[v] : nullptr, normal);
+                sum.direction += w * seen.visibility[v].direction;
+                sum.area += w * seen.visibility[v].area;
+                for (int k = 0; k < MAX_SLOTS; ++k) mix[k] += w * form[k];
+                corners.emplace_back(w, toReceiver(seen.visibility[v], form, p.at.normal));
+            }
+            if (mayMix(model, stored)) corners = {{1.0f, settled(model.id, toReceiver(sum, mix, p.at.normal))}};
+            made.receivers.push_back(std::move(corners));
+        }
+        addRows(ground, made, truth, options, out.rows);
+    }
+    return out;
+}
+
+}  // namespace apertura

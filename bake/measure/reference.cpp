@@ -1,0 +1,113 @@
+#include "bake/measure/reference.h"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "bake/sampling/directions.h"
+#include "bake/sampling/vertices.h"
+
+namespace apertura {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+class Shader {
+public:
+    Shader(const Tracer& tracer, const View& view, const ReferenceOptions& options)
+        : tracer_(tracer), view_(view), options_(options), sky_(fibonacciHemisphere(options.skyRays)) {}
+
+    glm::vec3 radiance(const glm::vec3& eye, const glm::vec3& direction, uint64_t sample) {
+        const std::optional<Hit> hit = tracer_.nearest(eye, direction);
+        if (!hit) return view_.sky;
+        const glm::dvec3 origin = rayOrigin(tracer_, {hit->position, hit->normal});
+        std::vector<CapLight> caps;
+        glm::vec3 irradiance(0);
+        for (const Light& light : view_.lights) {
+            const CapLight cap = capSeenFrom(hit->position, light);
+            irradiance += fromLight(light, cap, origin, hit->normal, sample, caps.size());
+            caps.push_back(cap);
+        }
+        irradiance += fromSky(caps, origin, hit->normal, sample);
+        return view_.albedo / PI * irradiance;
+    }
+
+private:
+    glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::dvec3& origin, const glm::vec3& normal,
+                        uint64_t sample, size_t index) {
+        const glm::mat3 frame = frameFromZ(cap.axis, 2 * kPi * hashUnit(options_.seed, sample, 2 + index));
+        rays_.clear();
+        reach_.clear();
+        for (const glm::vec3& w : fibonacciCap(options_.lightRays, cap.height))
+            if (const glm::vec3 d = frame * w; glm::dot(d, normal) > 0) {
+                rays_.push_back(d);
+                reach_.push_back(isSphere(light) ? distanceTo(light.sphere, origin, d) : kNoLimit);
+            }
+        const double cosines = openCosines(origin, normal, {});
+        return float(cosines * 2 * kPi * cap.height / options_.lightRays) * vec3(light.radiance);
+    }
+
+    // Metres along a ray (unit) to where it meets a sphere, or comes nearest to it.
+    static float distanceTo(const vec4& sphere, const glm::dvec3& origin, const glm::dvec3& ray) {
+        const glm::dvec3 toCentre = glm::dvec3(sphere) - origin;
+        const double along = glm::dot(toCentre, ray), aside = glm::dot(toCentre, toCentre) - along * along;
+        return float(std::max(along - std::sqrt(std::max(double(sphere.w) * sphere.w - aside, 0.0)), 0.0));
+    }
+
+    // The sky is everywhere but where a light stands in front of it.
+    glm::vec3 fromSky(const std::vector<CapLight>& caps, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample) {
+        const glm::mat3 frame = frameFromZ(normal, 2 * kPi * hashUnit(options_.seed, sample, 1));
+        rays_.clear();
+        for (const glm::vec3& w : sky_) rays_.push_back(frame * w);
+        reach_.assign(rays_.size(), kNoLimit);
+        return float(openCosines(origin, normal, caps) * 2 * kPi / options_.skyRays) * view_.sky;
+    }
+
+    // The sum of the cosines of those rays_ that nothing blocks within their reach_, and that no cap of `skip` holds.
+    double openCosines(const glm::dvec3& origin, const glm::vec3& normal, const std::vector<CapLight>& skip) {
+        blocked_.resize(rays_.size());
+        tracer_.occluded(origin, rays_, reach_, blocked_.data());
+        double sum = 0;
+        for (size_t i = 0; i < rays_.size(); ++i) {
+            bool counts = !blocked_[i];
+            for (const CapLight& cap : skip) counts = counts && glm::dot(rays_[i], cap.axis) < 1 - cap.height;
+            if (counts) sum += glm::dot(rays_[i], normal);
+        }
+        return sum;
+    }
+
+    const Tracer& tracer_;
+    const View& view_;
+    const ReferenceOptions& options_;
+    std::vector<glm::vec3> sky_, rays_;
+    std::vector<float> reach_;  // metres, of each ray
+    std::vector<uint8_t> blocked_;
+};
+
+}  // namespace
+
+Picture traceReference(const Tracer& tracer, const View& view, const ReferenceOptions& options,
+                       const Progress& progress) {
+    std::optional<tbb::global_control> limit;
+    if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
+    const int width = 2 * view.width, height = 2 * view.height;
+    Picture picture{width, height, std::vector<glm::vec3>(size_t(width) * height)};
+    ProgressCounter counter(progress, size_t(height));
+    tbb::parallel_for(0, height, [&](int y) {
+        if (counter.stopped()) return;
+        Shader shader(tracer, view, options);
+        for (int x = 0; x < width; ++x) {
+            const size_t sample = size_t(y) * width + x;
+            const glm::vec3 ray = rayThrough(view.camera, double(view.width) / view.height, (x + 0.5) / width, (y + 0.5) / height);
+            picture.pixels[sample] = shader.radiance(view.camera.eye, ray, sample);
+        }
+        counter.add(1);
+    });
+    counter.throwIfStopped();
+    return halved(picture);
+}
+
+}  // namespace apertura

@@ -1,0 +1,207 @@
+#include "bake/measure/stability.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "bake/sampling/directions.h"
+#include "bake/fit/choose.h"
+#include "sh/cap_reference.h"
+
+namespace apertura {
+namespace {
+
+using glm::dvec3;
+constexpr double kPi = std::numbers::pi;
+constexpr double kDegree = kPi / 180;
+constexpr double kLeastShare = 1e-3;  // of the light, that an error is measured against
+const dvec3 kUp(0, 0, 1);
+
+// E / (L pi sin^2 r) through the intersection of caps and the horizon.
+double share(std::vector<ExactCap> caps, const dvec3& normal, double radius) {
+    for (const ExactCap& cap : caps)
+        if (cap.radius <= 0) return 0;
+    caps.push_back({normal, kPi / 2});
+    const double s = std::sin(radius);
+    return glm::dot(normal, vectorIrradiance(caps)) / (kPi * s * s);
+}
+
+double radiusOf(float height) { return std::acos(1 - std::clamp(double(height), 0.0, 2.0)); }
+
+double linkOf(double f) { return 0.5 + 0.5 * f / std::sqrt(1 + f * f); }
+
+// The visibility of a model of lobes in one direction.
+double lobesAt(const Model& model, const Receiver& r, const dvec3& w) {
+    auto lobe = [&](int k) { return linkOf(double(r.form[k].w) + glm::dot(dvec3(r.form[k]), w)); };
+    if (model.id == MODEL_SOFT) return lobe(0);
+    if (model.id == MODEL_SOFT_L2) {
+        const SoftQuadric q{vec3(r.form[0]), r.form[0].w, r.form[1], r.form[2].x};
+        return linkOf(double(q.offset) + glm::dot(dvec3(q.slope) + dvec3(bendTimes(q, vec3(w))), w));
+    }
+    const int count = model.numbers == 12 ? 4 : model.numbers == 9 ? 3 : 2;
+    vec4 each(1);
+    for (int k = 0; k < count; ++k) each[k] = float(lobe(k));
+    return lobesTogether(count, plainProducts(each), r.form[count]);
+}
+
+}  // namespace
+
+double exactThroughCap(const SweepFrame& f) {
+    if (f.apertureRadius <= 0) return 0;
+    return share({{f.aperture, f.apertureRadius}, {f.light, f.lightRadius}}, kUp, f.lightRadius);
+}
+
+double exactInModel(const Model& any, const Receiver& r, const dvec3& light, double radius) {
+    const dvec3 n(r.normal);
+    const Model& model = models()[size_t(any.id == MODEL_AUTO ? int(r.form[4].y + 0.5f) : any.id)];
+    const ExactCap lit{light, radius};
+    auto cap = [&](int k) { return ExactCap{glm::normalize(dvec3(r.form[k])), radiusOf(r.form[k].w)}; };
+    auto through = [&](int k) { return share({lit, cap(k)}, n, radius); };
+    const double open = share({lit}, n, radius);
+    switch (model.id) {
+        case MODEL_APERTURE: return through(0);
+        case MODEL_ALPHA: return double(r.form[1].x) * through(0);
+        case MODEL_ANTI: return through(0) + double(r.form[2].x) * (open - through(1) - through(0));
+        case MODEL_CAP_ANTI: {
+            const double both = share({lit, cap(0), cap(1)}, n, radius);
+            return r.form[2].x > 0.5f ? open - both : both;
+        }
+        case MODEL_MULTI_2:
+        case MODEL_MULTI_3:
+        case MODEL_MULTI_4: {
+            double seen = 0;  // by inclusion and exclusion
+            const int count = model.numbers / 3;
+            for (int set = 1; set < 1 << count; ++set) {
+                std::vector<ExactCap> caps{lit};
+                for (int k = 0; k < count; ++k)
+                    if (set >> k & 1) caps.push_back(cap(k));
+                seen += (std::popcount(unsigned(set)) % 2 ? 1 : -1) * share(caps, n, radius);
+            }
+            return seen;
+        }
+        case MODEL_AO: return open * std::min(double(r.visibility.w) / (2 * kPi), 1.0);
+        default: break;
+    }
+    const double height = 2 * std::pow(std::sin(radius / 2), 2), s = std::sin(radius);
+    static const std::vector<glm::vec3> unit = fibonacciCap(2000, 1);
+    const dvec3 u(tangentTo(vec3(light))), v = glm::cross(light, u);
+    double sum = 0;
+    for (const glm::vec3& p : unit) {  // even in height is even in area, of a smaller cap too
+        const double down = height * (1 - double(p.z)), across = std::sqrt(down * (2 - down)), flat = std::hypot(double(p.x), double(p.y));
+        const dvec3 w = (1 - down) * light + across * (double(p.x) * u + double(p.y) * v) / std::max(flat, 1e-12);
+        const double z = glm::dot(n, w);
+        if (z > 0) sum += z * lobesAt(model, r, w);
+    }
+    return 2 * height / (s * s) * sum / double(unit.size());
+}
+
+SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sweep) {
+    SweptModel out{&model, {}};
+    const vec3 normal(kUp);
+    const Recipe* recipe = model.fromVisibility ? nullptr : findRecipe(model.name);
+    for (size_t i = 0; i < sweep.frames.size(); ++i) {
+        const SweepFrame& f = sweep.frames[i];
+        const SweepFrame* before = i ? &sweep.frames[i - 1] : nullptr;
+        if (before && before->aperture == f.aperture && before->apertureRadius == f.apertureRadius && before->axisLength == f.axisLength
+            && before->areaScale == f.areaScale) {
+            out.receivers.push_back(out.receivers.back());
+            continue;
+        }
+        const double half = std::sin(f.apertureRadius / 2), area = 4 * kPi * half * half * f.areaScale;
+        const Visibility v{vec3(f.aperture * area * (1 - area / (4 * kPi)) * f.axisLength), float(area)};
+        Visibility seen = v;
+        Form form;
+        if (recipe) {
+            std::vector<uint8_t> blocked;
+            for (const vec3& w : tools.lattice.directions()) blocked.push_back(glm::dot(dvec3(w), f.aperture) < std::cos(f.apertureRadius));
+            FitOptions how;
+            how.price = 1 / (how.tolerance * how.tolerance);
+            const BakedPoint point = makePoint(*recipe, tools, Samples(tools.lattice, blocked), mat3(1), how);
+            form = toForm(model, point.visibility, &point.form, normal);
+            if (!model.baseline) seen = point.visibility;
+        } else {
+            form = toForm(model, v, nullptr, normal);
+            // What a bake sees of the opening lies above the horizon.
+            if (!model.baseline && f.apertureRadius > 0) seen.direction = vec3(vectorIrradiance(std::array{ExactCap{f.aperture, f.apertureRadius}, ExactCap{kUp, kPi / 2}}));
+        }
+        // As mixing leaves it; models that are not mixed have axes from a decoder, which makes them unit.
+        if (model.mixes && f.axisLength != 1)
+            for (int k = 0; k < 2; ++k) form[k] = vec4(vec3(form[k]) * float(f.axisLength), form[k].w);
+        const Receiver receiver = toReceiver(seen, form, normal);
+        out.receivers.push_back(model.mixes ? settled(model.id, receiver) : receiver);
+    }
+    return out;
+}
+
+StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const FrameEvaluator& device) {
+    const Model& model = *swept.model;
+    StabilityRow row{std::string(model.name), std::string(sweep.name), model.baseline};
+    row.onDevice = device ? 0 : -1;
+    double before = 0, exactBefore = 0, truthBefore = 0;
+    std::vector<float> found[4];
+    std::vector<Evaluation> inputs[4];
+    std::vector<int> place;
+    for (size_t i = 0; i < sweep.frames.size(); ++i) {
+        const SweepFrame& f = sweep.frames[i];
+        Evaluation e{vec4(swept.receivers[i].normal, 0), vec4(vec3(f.light), float(std::sin(f.lightRadius))), swept.receivers[i].visibility, {}};
+        std::copy_n(swept.receivers[i].form, MAX_SLOTS, e.form);
+        inputs[lightsOf(e.light.w)].push_back(e);
+    }
+    if (device)
+        for (int size = 0; size < 4; ++size)
+            if (!inputs[size].empty()) found[size] = device(model.id, size, inputs[size]);
+    size_t taken[4]{};
+    for (size_t i = 0; i < sweep.frames.size(); ++i) {
+        const SweepFrame& f = sweep.frames[i];
+        const CapLight light = capLight(vec3(f.light), float(std::sin(f.lightRadius)));
+        const int size = lightsOf(light.sinRadius);
+        const float raw = lightThrough(model.id, swept.receivers[i], light, size);
+        const double value = light.area > 0 ? double(raw) / light.area : 0;
+        ++row.frames;
+        const size_t at = taken[size]++;
+        if (!std::isfinite(raw) || (device && !std::isfinite(found[size][at]))) {
+            ++row.notFinite;
+            continue;
+        }
+        if (device) row.onDevice = std::max(row.onDevice, std::abs(double(found[size][at]) - raw) / std::max(double(light.area), 1e-12));
+        const double unblocked = lightOnSurface(vec3(kUp), light, LIGHTS_ANY) / std::max(light.area, 1e-30f);
+        row.outside += value < -1e-6 || value > 1.006 * unblocked + kAboveOne;
+        const double truth = exactThroughCap(f);
+        const double exact = model.baseline ? truth : exactInModel(model, swept.receivers[i], f.light, f.lightRadius);
+        const double smaller = std::sin(std::min({f.apertureRadius, f.lightRadius, kPi / 2})) / std::sin(f.lightRadius);
+        const double error = std::abs(value - exact) / std::max(smaller * smaller, kLeastShare);
+        if (error > row.error) row.error = error, row.worst = double(i) / double(sweep.frames.size() - 1);
+        row.modelError = std::max(row.modelError, std::abs(value - truth));
+        if (f.moved > 0) {
+            const double bound = stepBound(f.moved, f.lightRadius);
+            row.step = std::max(row.step, std::abs(value - before) / bound);
+            row.exactStep = std::max({row.exactStep, std::abs(exact - exactBefore) / bound, std::abs(truth - truthBefore) / bound});
+        }
+        before = value, exactBefore = exact, truthBefore = truth;
+    }
+    return row;
+}
+
+std::vector<FailurePoint> failureMap(const Model& model, const FitTools& tools) {
+    std::vector<FailurePoint> out;
+    const dvec3 axis = tilted(35 * kDegree);
+    for (const double light : {0.27, 5.0, 15.0, 45.0})
+        for (int a = 0; a < 18; ++a) {
+            const double aperture = 0.5 * std::pow(180, a / 17.0);  // 0.5 to 90 degrees
+            for (int d = 0; d <= 22; ++d) {
+                Sweep sweep{"", "", {}};
+                for (int turn = 0; turn < 4; ++turn) {
+                    const double angle = std::min((light + aperture) * kDegree * d / 20.0, kPi);
+                    const dvec3 u = away(axis, kPi / 2), v = glm::cross(axis, u), side = std::cos(turn * kPi / 2) * u + std::sin(turn * kPi / 2) * v;
+                    sweep.frames.push_back({axis, aperture * kDegree, std::cos(angle) * axis + std::sin(angle) * side, light * kDegree});
+                }
+                const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);
+                out.push_back({std::string(model.name), light, aperture, d / 20.0, row.notFinite ? 1e9 : row.error});
+            }
+        }
+    return out;
+}
+
+}  // namespace apertura

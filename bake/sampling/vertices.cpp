@@ -1,0 +1,300 @@
+#include "bake/sampling/vertices.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "bake/sampling/directions.h"
+#include "bake/sampling/progress.h"
+
+namespace apertura {
+namespace {
+
+using glm::dvec3;
+
+constexpr int kProbes = 16;           // rays that tell what a vertex lies in
+constexpr int kSuspicious = 4;        // of them, that see backs of faces: somewhere else may be
+constexpr double kBetter = 0.25;      // which sees no more than this share of them
+constexpr double kSteps[] = {0.02, 0.1, 0.25, 0.5, 0.75, 1};  // of the way to the middle of a triangle or an edge
+constexpr double kNoArea = 1e-10;     // a triangle's area over its longest edge squared
+constexpr double kLarge = 0.05;       // of the scene's size, a triangle's longest edge
+constexpr double kSteep = 0.1;        // cosine, below which a normal hardly leads away from a face
+
+// What the triangles about one vertex say.
+struct Corner {
+    int count = 0;         // of those that have an area
+    dvec3 faces{0};        // sum of their normals, by angle, on the side of their vertices' normals
+    dvec3 within{0};       // sum of the directions to their middles
+    double longest = 0;    // edge, metres
+    double middle = 1e300; // metres to the nearest of their middles
+};
+
+// One instance's triangles, in the world.
+class Mesh {
+public:
+    Mesh(const Scene& scene, const Instance& instance) : surface_(scene.surfaces[instance.surface]) {
+        for (const glm::vec3& p : surface_.positions) places_.push_back(worldPosition(instance, p));
+        const glm::mat3 turn = normalMatrix(instance.toWorld);
+        for (const glm::vec3& n : surface_.normals) {
+            const dvec3 world(turn * n);
+            const double length = glm::length(world);
+            normals_.push_back(length > 0 ? world / length : dvec3(0, 1, 0));
+        }
+        first_.assign(places_.size() + 1, 0);
+        for (const auto& t : surface_.triangles)
+            for (uint32_t v : t) ++first_[v + 1];
+        for (size_t v = 0; v < places_.size(); ++v) first_[v + 1] += first_[v];
+        around_.resize(first_.back());
+        std::vector<size_t> next(first_.begin(), first_.end() - 1);
+        for (size_t t = 0; t < surface_.triangles.size(); ++t)
+            for (uint32_t v : surface_.triangles[t]) around_[next[v]++] = t;
+        mirrored_ = glm::determinant(glm::dmat3(instance.toWorld)) < 0;
+    }
+
+    size_t size() const { return places_.size(); }
+    bool used(size_t v) const { return first_[v + 1] > first_[v]; }
+    const dvec3& place(size_t v) const { return places_[v]; }
+    const dvec3& normal(size_t v) const { return normals_[v]; }
+    size_t inverted() const {  // triangles wound against their vertices' normals; mirroring turns a winding
+        size_t n = 0;
+        for (size_t t = 0; t < surface_.triangles.size(); ++t) n += hasArea(t) && (sideOf(t) < 0) != mirrored_;
+        return n;
+    }
+    size_t degenerate() const {
+        size_t n = 0;
+        for (size_t t = 0; t < surface_.triangles.size(); ++t) n += !hasArea(t);
+        return n;
+    }
+
+    size_t longerThan(double length) const {
+        size_t n = 0;
+        for (size_t t = 0; t < surface_.triangles.size(); ++t) n += longest(t) > length;
+        return n;
+    }
+
+    Corner corner(size_t v) const {
+        Corner out;
+        for (size_t i = first_[v]; i < first_[v + 1]; ++i) {
+            const size_t t = around_[i];
+            out.longest = std::max(out.longest, longest(t));
+            if (!hasArea(t)) continue;
+            const auto [a, b] = edges(t, v);
+            const dvec3 n = glm::cross(a, b);
+            ++out.count;
+            out.middle = std::min(out.middle, glm::length(a + b) / 3);
+            out.faces += sideOf(t) * glm::normalize(n) * std::atan2(glm::length(n), glm::dot(a, b));
+            out.within += glm::normalize(a + b);
+        }
+        return out;
+    }
+
+    // The least and the largest cosine between a direction and the faces about a vertex.
+    std::pair<double, double> cosines(size_t v, const dvec3& direction) const {
+        std::pair<double, double> out{1, -1};
+        for (size_t i = first_[v]; i < first_[v + 1]; ++i)
+            if (hasArea(around_[i])) {
+                const double c = sideOf(around_[i]) * glm::dot(glm::normalize(crossOf(around_[i])), direction);
+                out = {std::min(out.first, c), std::max(out.second, c)};
+            }
+        return out;
+    }
+
+    // Points of its triangles to look from instead, the nearest to the vertex first.
+    std::vector<dvec3> others(size_t v) const {
+        std::vector<dvec3> out;
+        for (size_t i = first_[v]; i < first_[v + 1]; ++i) {
+            if (!hasArea(around_[i])) continue;
+            const auto [a, b] = edges(around_[i], v);
+            for (const double step : kSteps)
+                for (const dvec3& way : {(a + b) / 3.0, 0.45 * a + 0.05 * b, 0.05 * a + 0.45 * b, 0.475 * (a + b)}) out.push_back(places_[v] + step * way);
+        }
+        std::stable_sort(out.begin(), out.end(), [&](const dvec3& a, const dvec3& b) { return glm::distance(a, places_[v]) < glm::distance(b, places_[v]); });
+        return out;
+    }
+
+private:
+    dvec3 crossOf(size_t t) const {
+        const auto& i = surface_.triangles[t];
+        return glm::cross(places_[i[1]] - places_[i[0]], places_[i[2]] - places_[i[0]]);
+    }
+    // On which side of its winding a triangle's vertex normals point; where they lie in it, its winding counts.
+    double sideOf(size_t t) const {
+        const auto& i = surface_.triangles[t];
+        return glm::dot(crossOf(t), normals_[i[0]] + normals_[i[1]] + normals_[i[2]]) < 0 ? -1 : 1;
+    }
+    double longest(size_t t) const {
+        const auto& i = surface_.triangles[t];
+        return std::max({glm::distance(places_[i[0]], places_[i[1]]), glm::distance(places_[i[1]], places_[i[2]]), glm::distance(places_[i[2]], places_[i[0]])});
+    }
+    bool hasArea(size_t t) const { return glm::length(crossOf(t)) > 2 * kNoArea * longest(t) * longest(t); }
+    // From a vertex to the others of its triangle, in the order of its winding.
+    std::pair<dvec3, dvec3> edges(size_t t, size_t v) const {
+        const auto& i = surface_.triangles[t];
+        const int k = i[0] == v ? 0 : i[1] == v ? 1 : 2;
+        return {places_[i[(k + 1) % 3]] - places_[v], places_[i[(k + 2) % 3]] - places_[v]};
+    }
+
+    const Surface& surface_;
+    std::vector<dvec3> places_, normals_;
+    std::vector<size_t> first_, around_;  // triangles about each vertex
+    bool mirrored_ = false;
+};
+
+// The triangles of each surface that nothing is behind of: of two-sided materials, or with a twin that faces the other way.
+using Open = std::vector<std::vector<bool>>;
+Open twoSided(const Scene& scene) {
+    Open out;
+    for (const Surface& surface : scene.surfaces) {
+        std::vector<bool> open(surface.triangles.size(), surface.twoSided);
+        using Place = std::array<float, 3>;
+        std::map<std::array<Place, 3>, std::pair<size_t, bool>> seen;  // by sorted corners: a triangle, and whether sorting turned it
+        for (size_t t = 0; t < open.size() && !surface.twoSided; ++t) {
+            std::array<Place, 3> corners;
+            for (int k = 0; k < 3; ++k) {
+                const glm::vec3& p = surface.positions[surface.triangles[t][k]];
+                corners[k] = {p.x, p.y, p.z};
+            }
+            std::array<Place, 3> sorted = corners;
+            std::sort(sorted.begin(), sorted.end());
+            const auto first = std::find(corners.begin(), corners.end(), sorted[0]) - corners.begin();
+            const bool turned = corners[(first + 1) % 3] != sorted[1];
+            const auto [place, isNew] = seen.try_emplace(sorted, t, turned);
+            if (!isNew && place->second.second != turned) open[t] = open[place->second.first] = true;
+        }
+        out.push_back(std::move(open));
+    }
+    return out;
+}
+
+// Metres, the diagonal of the box about a scene's triangles.
+double sizeOf(const Scene& scene) {
+    dvec3 low(std::numeric_limits<double>::max()), high = -low;
+    for (const Instance& instance : scene.instances) {
+        const Surface& surface = scene.surfaces[instance.surface];
+        for (const auto& t : surface.triangles)
+            for (uint32_t v : t) {
+                const dvec3 place = worldPosition(instance, surface.positions[v]);
+                low = glm::min(low, place), high = glm::max(high, place);
+            }
+    }
+    return glm::length(high - low);
+}
+
+// How many of a few rays from a point see the back of a face.
+int backsSeen(const Tracer& tracer, const Open& open, const SurfacePoint& point, double spin) {
+    static const std::vector<glm::vec3> probes = fibonacciHemisphere(kProbes);
+    const glm::mat3 frame = frameFromZ(point.normal, spin);
+    int backs = 0;
+    for (const glm::vec3& w : probes) {
+        const glm::vec3 direction = frame * w;
+        const std::optional<Hit> hit = tracer.nearest(rayOrigin(tracer, point), direction);
+        backs += hit && hit->back && !open[hit->surface][hit->triangle];
+    }
+    return backs;
+}
+
+// Whether the way from one point to another leads out through the back of a face. Faces are taken for the skins of
+// solids: a ground that goes on behind a one-sided wall counts as inside of it where its triangles cross it.
+bool comesOut(const Tracer& tracer, const Open& open, const SurfacePoint& from, const SurfacePoint& to) {
+    const dvec3 start = rayOrigin(tracer, from);
+    const std::optional<Hit> hit = tracer.nearest(start, glm::vec3(rayOrigin(tracer, to) - start));
+    return hit && hit->distance < 1 && hit->back && !open[hit->surface][hit->triangle];
+}
+
+// A vertex whose normal points behind all of its faces looks out on their side.
+dvec3 outward(const Mesh& mesh, size_t v, const Corner& corner, bool& against) {
+    const auto [least, most] = mesh.cosines(v, mesh.normal(v));
+    against = corner.count > 0 && most < -1e-3 && glm::length(corner.faces) > 1e-6;
+    return against ? glm::normalize(corner.faces) : mesh.normal(v);
+}
+
+// A rounding step above all of the vertex's faces and within them, less what rayOrigin adds along the normal.
+SurfacePoint nextTo(const Mesh& mesh, const Tracer& tracer, size_t v, const Corner& corner, const dvec3& normal) {
+    dvec3 up = normal;
+    if (const double least = mesh.cosines(v, normal).first; least < kSteep && glm::length(corner.faces) > 1e-6) {
+        const dvec3 other = glm::normalize(corner.faces);
+        if (mesh.cosines(v, other).first > least) up = other;
+    }
+    const double step = tracer.offset(mesh.place(v), corner.longest);
+    dvec3 within = corner.within - glm::dot(corner.within, up) * up;
+    within *= std::min(1.0, 0.25 * corner.middle / step) / std::max(glm::length(within), 1.0);
+    // Faces that rise towards their middles leave less room for it.
+    for (int halved = 0; halved < 6 && mesh.cosines(v, up + within).first < kSteep; ++halved) within *= halved < 5 ? 0.5 : 0.0;
+    return {mesh.place(v) + step * (up - normal + within), glm::vec3(normal), corner.longest};
+}
+
+}  // namespace
+
+std::vector<std::string> describe(const Doubts& d) {
+    std::vector<std::string> out;
+    auto say = [&](const char* what, size_t count, const char* then) {
+        if (count > 0) out.push_back(std::string(what) + ": " + std::to_string(count) + " (" + then + ")");
+    };
+    say("triangles of no area", d.degenerate, "they block nothing");
+    say("vertices of no other triangles", d.withoutFaces, "baked along the normals they have");
+    say("triangles wound against their surface's normals", d.inverted, "the normals are believed");
+    say("vertices with normals behind all of their faces", d.against, "baked on the faces' side");
+    say("vertices inside other geometry", d.moved, "baked from the nearest point outside on their triangles");
+    say("triangles longer than a twentieth of the scene", d.large, "shadows that fall within them are lost: subdivide them");
+    say("vertices that see backs of faces", d.buried, "baked as they are: right inside solids; where they show as dark spots, faces are one-sided or inside out");
+    return out;
+}
+
+VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progress& progress, Doubts* doubts) {
+    VertexPoints out;
+    Doubts sum;
+    size_t all = 0;
+    const Open open = twoSided(scene);
+    const double large = kLarge * sizeOf(scene);
+    for (const Instance& instance : scene.instances) all += scene.surfaces[instance.surface].positions.size();
+    ProgressCounter counter(progress, all);
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Mesh mesh(scene, scene.instances[i]);
+        sum.degenerate += mesh.degenerate();
+        sum.inverted += mesh.inverted();
+        sum.large += mesh.longerThan(large);
+        std::vector<size_t> vertices;
+        for (size_t v = 0; v < mesh.size(); ++v)
+            if (mesh.used(v)) vertices.push_back(v);
+        std::vector<SurfacePoint> points(vertices.size());
+        std::atomic<size_t> withoutFaces = 0, againstFaces = 0, moved = 0, buried = 0;
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, vertices.size(), 64), [&](const tbb::blocked_range<size_t>& range) {
+            if (counter.stopped()) return;
+            for (size_t k = range.begin(); k < range.end(); ++k) {
+                const size_t v = vertices[k];
+                const Corner corner = mesh.corner(v);
+                bool against = false;
+                const dvec3 normal = outward(mesh, v, corner, against);
+                againstFaces += against;
+                withoutFaces += corner.count == 0;
+                points[k] = nextTo(mesh, tracer, v, corner, normal);
+                const double spin = 6.283185307179586 * hashUnit(0, i, v);
+                const int backs = backsSeen(tracer, open, points[k], spin);
+                if (backs < kSuspicious) continue;
+                bool found = false;
+                for (const dvec3& other : mesh.others(v)) {
+                    const SurfacePoint candidate{other, glm::vec3(normal), corner.longest};
+                    if (!comesOut(tracer, open, points[k], candidate) || backsSeen(tracer, open, candidate, spin) > kBetter * backs) continue;
+                    points[k] = candidate;
+                    found = true;
+                    break;
+                }
+                ++(found ? moved : buried);
+            }
+            counter.add(range.size());
+        });
+        counter.throwIfStopped();
+        sum.withoutFaces += withoutFaces, sum.against += againstFaces, sum.moved += moved, sum.buried += buried;
+        for (size_t v : vertices) out.places.emplace_back(i, v);
+        out.points.insert(out.points.end(), points.begin(), points.end());
+    }
+    if (doubts) *doubts = sum;
+    return out;
+}
+
+}  // namespace apertura

@@ -1,0 +1,152 @@
+#include "bake/scene/isolated.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "runtime/asset/error.h"
+
+namespace apertura {
+namespace {
+
+// What a reader may take: measured on OBJ, STL, PLY, PNG and TIFF of 1 kB to 400 MB, and about twice that.
+constexpr double kSeconds = 10, kSecondsAMebibyte = 2;
+constexpr double kBytes = 0x1p30, kBytesAByte = 64;
+
+// The first byte that comes says what follows.
+constexpr char kContent = '+', kFailure = '-';
+// How the child ends where it could not say why.
+constexpr int kBrokenPipe = 3;
+
+// The other process has ended.
+struct Broken {};
+
+void writeAll(int to, const void* bytes, size_t size) {
+    const char* data = static_cast<const char*>(bytes);
+    while (size > 0) {
+        const ssize_t n = write(to, data, size);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) _exit(kBrokenPipe);
+        data += n;
+        size -= size_t(n);
+    }
+}
+
+void limitResources(const ResourceLimits& limits) {
+    const auto seconds = rlim_t(limits.seconds);
+    const rlimit processor{seconds, seconds + 1};
+    setrlimit(RLIMIT_CPU, &processor);
+    const rlimit noDump{0, 0};
+    setrlimit(RLIMIT_CORE, &noDump);
+#ifndef __SANITIZE_ADDRESS__  // whose shadow alone is terabytes of address space
+    size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const auto bytes = rlim_t(double(pages) * double(sysconf(_SC_PAGESIZE)) + limits.bytes);
+    const rlimit memory{bytes, bytes};
+    setrlimit(RLIMIT_AS, &memory);
+#endif
+}
+
+[[noreturn]] void child(int to, const ResourceLimits& limits, const std::function<void(ParcelWriter&)>& read) {
+    for (int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGXCPU}) std::signal(signal, SIG_DFL);
+    std::signal(SIGPIPE, SIG_IGN);
+    const int silence = open("/dev/null", O_WRONLY);
+    dup2(silence, STDERR_FILENO);
+    limitResources(limits);
+    std::string failure;
+    try {
+        ParcelWriter writer(to);
+        read(writer);
+    } catch (const std::bad_alloc&) {
+        failure = "asks for more memory than a file of its size can need";
+    } catch (const std::exception& e) {
+        // Libraries put their own bad_alloc into words.
+        failure = e.what();
+        if (failure.find("bad_alloc") != std::string::npos) failure = "asks for more memory than a file of its size can need";
+    }
+    if (!failure.empty()) {
+        writeAll(to, &kFailure, 1);
+        writeAll(to, failure.data(), failure.size());
+    }
+    _exit(0);
+}
+
+}  // namespace
+
+// The mark is written with every piece, so that nothing is announced before there is something to send.
+void ParcelWriter::write(const void* bytes, size_t size) {
+    writeAll(to_, &kContent, 1);
+    writeAll(to_, bytes, size);
+}
+
+void ParcelReader::read(void* bytes, size_t size) {
+    char mark = 0;
+    size_t done = 0;
+    char* const out = static_cast<char*>(bytes);
+    for (bool marked = false; !marked || done < size;) {
+        const ssize_t n = marked ? ::read(from_, out + done, size - done) : ::read(from_, &mark, 1);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) throw Broken{};
+        if (marked) {
+            done += size_t(n);
+            continue;
+        }
+        if (mark == kFailure) {
+            std::string cause;
+            char c = 0;
+            while (::read(from_, &c, 1) == 1) cause += c;
+            throw Error(cause);
+        }
+        marked = true;
+    }
+    left_ -= double(size);
+}
+
+size_t ParcelReader::takeCount(size_t element) {
+    size_t count = 0;
+    read(&count, sizeof count);
+    if (double(count) * double(element) > left_) throw Broken{};
+    return count;
+}
+
+ResourceLimits limitsFor(const std::string& path) {
+    std::error_code ignored;
+    const auto size = std::filesystem::file_size(path, ignored);
+    const double bytes = ignored ? 0 : double(size), machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+    return {kSeconds + kSecondsAMebibyte * bytes / 0x1p20, std::min(kBytes + kBytesAByte * bytes, machine / 2)};
+}
+
+void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(ParcelWriter&)>& read,
+                 const std::function<void(ParcelReader&)>& receive) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(path + ": cannot be read: no pipe");
+    const pid_t pid = fork();
+    if (pid < 0) throw Error(path + ": cannot be read: no process");
+    if (pid == 0) child(ends[1], limits, read);
+    close(ends[1]);
+    std::string failure;
+    try {
+        ParcelReader reader(ends[0], limits.bytes);
+        receive(reader);
+    } catch (const Broken&) {
+        failure = "cannot be read: damaged";
+    } catch (const Error& e) {
+        failure = e.what();
+    }
+    close(ends[0]);
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL))
+        failure = "cannot be read: damaged, its reader does not come to an end";
+    if (!failure.empty()) throw Error(path + ": " + failure);
+}
+
+}  // namespace apertura

@@ -1,0 +1,42 @@
+#include "bake/scene/load.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <set>
+
+#include "runtime/asset/error.h"
+#include "runtime/asset/file.h"
+#include "runtime/asset/gltf.h"
+
+namespace apertura {
+namespace {
+
+const std::string kBuiltinPrefix = "builtin:";
+
+std::string endingOf(const std::string& path) {
+    std::string ending = std::filesystem::path(path).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    return ending;
+}
+
+}  // namespace
+
+bool isHeightMap(const std::string& path) {
+    static const std::set<std::string> maps{".png", ".tif", ".tiff", ".exr"};
+    return !path.starts_with(kBuiltinPrefix) && maps.contains(endingOf(path));
+}
+
+Scene loadScene(const std::string& name, const HeightMapOptions& options) {
+    if (name.starts_with(kBuiltinPrefix)) return makeBuiltin(name.substr(kBuiltinPrefix.size()));
+    requireOrdinaryFile(name);
+    const std::string ending = endingOf(name);
+    static const std::set<std::string> meshes{".obj", ".ply", ".stl"};
+    if (ending == ".glb" || ending == ".gltf") return readGltf(name);
+    if (meshes.contains(ending)) return loadMeshFile(name);
+    if (isHeightMap(name)) return loadHeightMap(name, options);
+    throw Error(name + ": unknown kind of file; scenes are .glb .gltf .obj .ply .stl, height maps .png .tif .exr, or "
+                       "builtin:NAME");
+}
+
+}  // namespace apertura

@@ -1,0 +1,62 @@
+#pragma once
+// Tessellated shapes and noise for the built-in scenes. Lengths in metres, +Y up, normals outwards.
+#include <span>
+
+#include "runtime/asset/scene.h"
+
+namespace apertura {
+
+struct Rect {
+    double u0, v0, u1, v1;
+};
+
+// A parallelogram from `corner` along u and v, its normal along cross(u, v), in cells of about `cell`.
+// `holes`, in metres along u and v, are left open, and edges run along theirs.
+void addPanel(Surface& surface, const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v, double cell,
+              std::span<const Rect> holes = {});
+
+// An axis-aligned box, open at the bottom if so wished.
+void addBox(Surface& surface, const glm::dvec3& low, const glm::dvec3& high, double cell, bool bottom = true);
+
+// A frustum about the vertical, without caps: radius `low` at the base and `high` at base.y + height.
+void addFrustum(Surface& surface, const glm::dvec3& base, double low, double high, double height, int around, int up);
+
+// A sphere, or what `radius` makes of it: metres from the centre by unit direction. Normals are made.
+template <typename Radius>
+void addBlob(Surface& surface, const glm::dvec3& centre, int around, Radius&& radius);
+
+// Gradient noise over the unit lattice, about -1..1, and `octaves` of it, each half as big and twice as
+// fine. After Perlin, "Improving noise", 2002, with hashed gradients.
+double noise(const glm::dvec3& p, uint32_t seed);
+double fractal(const glm::dvec3& p, int octaves, uint32_t seed);
+
+template <typename Radius>
+void addBlob(Surface& surface, const glm::dvec3& centre, int around, Radius&& radius) {
+    const double pi = 3.14159265358979323846;
+    const int down = around / 2;
+    const auto first = uint32_t(surface.positions.size());
+    Surface blob;
+    // The poles are one vertex each, and the seam is closed.
+    auto add = [&](double theta, double phi) {
+        const glm::dvec3 w(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+        blob.positions.emplace_back(centre + radius(w) * w);
+    };
+    add(0, 0);
+    for (int i = 1; i < down; ++i)
+        for (int j = 0; j < around; ++j) add(pi * i / down, 2 * pi * j / around);
+    add(pi, 0);
+    auto at = [&](int i, int j) {
+        return i == 0 ? 0u : i == down ? uint32_t(blob.positions.size() - 1) : uint32_t(1 + (i - 1) * around + j % around);
+    };
+    for (int i = 0; i < down; ++i)
+        for (int j = 0; j < around; ++j) {
+            if (i > 0) blob.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
+            if (i + 1 < down) blob.triangles.push_back({at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)});
+        }
+    makeNormals(blob);
+    surface.positions.insert(surface.positions.end(), blob.positions.begin(), blob.positions.end());
+    surface.normals.insert(surface.normals.end(), blob.normals.begin(), blob.normals.end());
+    for (const auto& t : blob.triangles) surface.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
+}  // namespace apertura

@@ -1,0 +1,349 @@
+#include "runtime/asset/asset.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+
+#include "runtime/asset/file.h"
+#include "runtime/asset/form_stream.h"
+#include "runtime/asset/gltf.h"
+#include "runtime/asset/gltf_writer.h"
+#include "sh/packing.h"
+
+namespace apertura {
+namespace {
+
+const char* const kAttribute = "_VISIBILITY";
+// Ways to make the four numbers, with nothing stored beside them.
+const char* const kFromFour[] = {"sh", "rays", "sh-fit", "transfer"};
+
+template <typename T>
+Bytes bytesOf(const std::vector<T>& values) {
+    Bytes out(values.size() * sizeof(T));
+    if (!values.empty()) std::memcpy(out.data(), values.data(), out.size());
+    return out;
+}
+
+size_t addVectors(GltfWriter& writer, const std::vector<glm::vec3>& values, Json members = Json::object()) {
+    members.update({{"componentType", kFloat}, {"type", "VEC3"}, {"count", values.size()}});
+    return writer.addAccessor(std::move(members), bytesOf(values), kArrayBuffer);
+}
+
+size_t addIndices(GltfWriter& writer, const Surface& surface) {
+    std::vector<uint32_t> wide;
+    for (const auto& t : surface.triangles) wide.insert(wide.end(), t.begin(), t.end());
+    const Json members{{"type", "SCALAR"}, {"count", wide.size()}};
+    auto add = [&](GltfComponent type, Bytes bytes) {
+        Json all = members;
+        all["componentType"] = type;
+        return writer.addAccessor(std::move(all), std::move(bytes), kElementArrayBuffer);
+    };
+    if (surface.positions.size() >= 65535) return add(kUnsignedInt, bytesOf(wide));
+    return add(kUnsignedShort, bytesOf(std::vector<uint16_t>(wide.begin(), wide.end())));
+}
+
+Json numbers(const glm::vec3& v) { return Json::array({v.x, v.y, v.z}); }
+
+void addCamera(Json& json, const Camera& view) {
+    json["cameras"].push_back({{"type", "perspective"}, {"perspective", {{"yfov", view.verticalFov}, {"znear", 0.01}}}});
+    const glm::dvec3 back = glm::normalize(glm::dvec3(view.eye - view.target));
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(view.up), back)), up = glm::cross(back, right);
+    json["scenes"][0]["nodes"].push_back(json["nodes"].size());
+    json["nodes"].push_back({{"name", "camera"},
+                             {"camera", 0},
+                             {"matrix", {right.x, right.y, right.z, 0, up.x, up.y, up.z, 0, back.x, back.y, back.z, 0, view.eye.x, view.eye.y, view.eye.z, 1}}});
+}
+
+// Adds a scene that came without a document; sets the instances' places in it.
+void addScene(GltfWriter& writer, Scene& scene) {
+    Json& json = writer.json();
+    json["scene"] = 0;
+    json["scenes"] = Json::array({{{"nodes", Json::array()}}});
+    for (const Surface& surface : scene.surfaces) {
+        Box box;
+        for (const glm::vec3& p : surface.positions) box = {glm::min(box.low, p), glm::max(box.high, p)};
+        Json primitive;
+        primitive["attributes"]["POSITION"] = addVectors(writer, surface.positions, {{"min", numbers(box.low)}, {"max", numbers(box.high)}});
+        primitive["attributes"]["NORMAL"] = addVectors(writer, surface.normals);
+        primitive["indices"] = addIndices(writer, surface);
+        primitive["mode"] = kTriangles;
+        json["meshes"].push_back({{"primitives", Json::array({primitive})}});
+    }
+    for (Instance& instance : scene.instances) {
+        Json node{{"mesh", instance.surface}};
+        if (instance.toWorld != glm::mat4(1))
+            for (int i = 0; i < 16; ++i) node["matrix"].push_back(instance.toWorld[i / 4][i % 4]);
+        instance.node = int(json["nodes"].size());
+        instance.primitive = 0;
+        json["scenes"][0]["nodes"].push_back(instance.node);
+        json["nodes"].push_back(std::move(node));
+    }
+    if (scene.camera) addCamera(json, *scene.camera);
+}
+
+Json describe(const BakeInfo& info) {
+    return {{"version", info.version}, {"scene", info.scene},     {"model", info.model},
+            {"tolerance", info.tolerance}, {"rays", info.rays},   {"bits", info.bits},
+            {"seed", info.seed},       {"maxDistance", info.maxDistance}, {"rayOffset", info.rayOffset},
+            {"hemisphere", info.hemisphere}};
+}
+
+const Json& describedIn(const Json& json) { return listOf(listOf(json["asset"], "extras"), "apertura"); }
+
+// Takes away what an earlier bake added.
+void removeBaked(GltfWriter& writer) {
+    Json& json = writer.json();
+    std::set<size_t> accessors, views;
+    if (json.contains("meshes"))
+        for (Json& mesh : json["meshes"]) {
+            if (!mesh.contains("primitives")) continue;
+            for (Json& primitive : mesh["primitives"])
+                if (const auto found = primitive["attributes"].find(kAttribute); found != primitive["attributes"].end()) {
+                    accessors.insert(found->get<size_t>());
+                    primitive["attributes"].erase(found);
+                }
+        }
+    if (const Json& baked = describedIn(json); baked.is_object()) {
+        for (const Json& form : listOf(baked, "forms"))
+            if (form.is_object() && form.contains("bufferView") && form["bufferView"].is_number_unsigned() && form["bufferView"] < listOf(json, "bufferViews").size())
+                views.insert(form["bufferView"].get<size_t>());
+        json["asset"]["extras"]["apertura"].erase("forms");
+    }
+    writer.release(accessors, views);
+}
+
+// The primitive with the surface's own vertices and normals, where they are not as the file has them.
+void replaceGeometry(GltfWriter& writer, const GltfDocument& document, const Surface& surface, Json& primitive, std::set<size_t>& replaced) {
+    if (!surface.splitFrom.empty()) {
+        auto gather = [&](Json& attributes) {
+            for (Json& index : attributes) {
+                GatheredAccessor gathered = gatherAccessor(document, index.get<size_t>(), surface.splitFrom);
+                replaced.insert(index.get<size_t>());
+                index = writer.addAccessor(std::move(gathered.members), std::move(gathered.bytes), kArrayBuffer, gathered.stride);
+            }
+        };
+        gather(primitive["attributes"]);
+        if (primitive.contains("targets"))
+            for (Json& target : primitive["targets"]) gather(target);
+        if (primitive.contains("indices")) replaced.insert(primitive["indices"].get<size_t>());
+        primitive["indices"] = addIndices(writer, surface);
+        primitive["mode"] = kTriangles;
+    } else if (primitive["attributes"].contains("NORMAL")) {
+        replaced.insert(primitive["attributes"]["NORMAL"].get<size_t>());
+    }
+    primitive["attributes"]["NORMAL"] = addVectors(writer, surface.normals);
+}
+
+template <typename Packed>
+std::vector<Packed> packAll(const std::vector<Visibility>& points, const glm::mat3& toWorld, Packed (*pack)(const Visibility&)) {
+    std::vector<Packed> out;
+    out.reserve(points.size());
+    const glm::mat3 toLocal = glm::transpose(toWorld);
+    for (const Visibility& v : points) out.push_back(pack({toLocal * v.direction, v.area}));
+    return out;
+}
+
+size_t addVisibility(GltfWriter& writer, const std::vector<Visibility>& points, const glm::mat3& rotation, int bits) {
+    return writer.addAccessor({{"componentType", bits == 16 ? kShort : kByte}, {"normalized", true}, {"type", "VEC4"}, {"count", points.size()}},
+                              bits == 16 ? bytesOf(packAll<Packed16>(points, rotation, pack16)) : bytesOf(packAll<Packed8>(points, rotation, pack8)), kArrayBuffer);
+}
+
+// Which mesh each node that the scene draws gets: nodes that share one see different skies, and nodes of other scenes
+// none. All but one of them take a copy of its primitives' lists.
+void separateMeshes(Json& json, const Scene& scene) {
+    std::set<size_t> drawn;
+    for (const Instance& instance : scene.instances) drawn.insert(size_t(instance.node));
+    std::set<size_t> taken;  // meshes
+    Json& nodes = json["nodes"];
+    for (size_t n = 0; n < nodes.size(); ++n)
+        if (nodes[n].contains("mesh") && !drawn.contains(n)) taken.insert(nodes[n]["mesh"].get<size_t>());
+    const Json original = json["meshes"];
+    for (const size_t n : drawn) {
+        const size_t mesh = nodes[n]["mesh"].get<size_t>();
+        if (taken.insert(mesh).second) continue;
+        nodes[n]["mesh"] = json["meshes"].size();
+        json["meshes"].push_back(original[mesh]);
+    }
+}
+
+// The buffer view of each primitive's forms, by mesh and primitive.
+std::map<std::pair<size_t, size_t>, size_t> findStreams(const Json& described) {
+    std::map<std::pair<size_t, size_t>, size_t> out;
+    const Json& forms = listOf(described, "forms");
+    if (!forms.is_array()) return out;
+    for (const Json& form : forms) {
+        auto index = [&](const char* key) { return form.is_object() && form.contains(key) && form[key].is_number_unsigned() ? form[key].get<size_t>() : SIZE_MAX; };
+        out[{index("mesh"), index("primitive")}] = index("bufferView");
+    }
+    return out;
+}
+
+// Of a primitive whose vertices were split: what those that they came from see.
+SeenByInstance pick(const SeenByInstance& seen, const std::vector<uint32_t>& from) {
+    SeenByInstance out;
+    for (const uint32_t i : from) {
+        out.visibility.push_back(seen.visibility[i]);
+        if (!seen.forms.empty()) out.forms.push_back(seen.forms[i]);
+    }
+    return out;
+}
+
+BakeInfo readInfo(const Json& said, const std::string& name) {
+    BakeInfo info;
+    auto number = [&](const char* key, double fallback) { return said.contains(key) && said[key].is_number() ? said[key].get<double>() : fallback; };
+    auto text = [&](const char* key) { return said.contains(key) && said[key].is_string() ? said[key].get<std::string>() : std::string(); };
+    info.version = text("version");
+    info.scene = text("scene");
+    if (!text("model").empty()) info.model = text("model");
+    if (!storedModel(info) && std::find(std::begin(kFromFour), std::end(kFromFour), info.model) == std::end(kFromFour))
+        throw Error(name + ": was baked for a model that is not known here");
+    info.rays = int(std::clamp(number("rays", 0), 0.0, 1e9));
+    info.seed = uint32_t(std::clamp(number("seed", 0), 0.0, 4294967295.0));
+    info.maxDistance = number("maxDistance", 0);
+    info.rayOffset = number("rayOffset", 0);
+    info.hemisphere = text("hemisphere");
+    info.tolerance = number("tolerance", 0);
+    return info;
+}
+
+}  // namespace
+
+void requireStorable(const BakeInfo& info, const std::string& name) {
+    try {
+        describe(info).dump();
+    } catch (const Json::exception&) {
+        throw Error(name + ": its name is not UTF-8, which is all that an asset can hold");
+    }
+}
+
+void writeAsset(const std::string& path, const Scene& given, const BakedVisibility& visibility, const BakeInfo& info) {
+    requireStorable(info, given.name);
+    PendingFile file(path);
+    Scene scene = given;
+    GltfDocument made;
+    made.json = {{"asset", {{"version", "2.0"}}}};
+    const GltfDocument& document = scene.document ? *scene.document : made;
+    GltfWriter writer(document);
+    Json& json = writer.json();
+    if (scene.document)
+        removeBaked(writer);
+    else
+        addScene(writer, scene);
+    separateMeshes(json, scene);
+
+    const Model* stored = storedModel(info);
+    Json forms = Json::array();
+    std::map<int, Json> geometry;  // surface -> its primitive, where that is not as in the file
+    std::set<size_t> replaced;     // accessors
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        const size_t mesh = json["nodes"][size_t(instance.node)]["mesh"].get<size_t>();
+        Json& primitive = json["meshes"][mesh]["primitives"][size_t(instance.primitive)];
+        const Surface& surface = scene.surfaces[size_t(instance.surface)];
+        if (scene.document && surface.normalsMade) {
+            const auto [own, fresh] = geometry.try_emplace(instance.surface);
+            if (fresh) {
+                own->second = primitive;
+                replaceGeometry(writer, document, surface, own->second, replaced);
+            }
+            primitive = own->second;
+        }
+        const glm::mat3 rotation = rotationPart(instance.toWorld);
+        primitive["attributes"][kAttribute] = addVisibility(writer, visibility[i].visibility, rotation, info.bits);
+        if (!stored) continue;
+        const std::vector<std::byte> bytes = packForms(*stored, visibility[i].forms, glm::transpose(rotation), info.bits);
+        Bytes copy(bytes.size());
+        std::transform(bytes.begin(), bytes.end(), copy.begin(), [](std::byte b) { return static_cast<unsigned char>(b); });
+        forms.push_back({{"mesh", mesh}, {"primitive", instance.primitive}, {"bufferView", writer.addView(std::move(copy))}});
+    }
+    Json& asset = json["asset"];
+    asset["generator"] = "Apertura " + info.version;
+    if (asset.contains("extras") && !asset["extras"].is_object()) asset["extras"] = {{"input", asset["extras"]}};
+    Json description = describe(info);
+    if (const Json& before = describedIn(json); before.contains("mergedBuffers")) description["mergedBuffers"] = before["mergedBuffers"];
+    if (stored) description["forms"] = forms;
+    asset["extras"]["apertura"] = description;
+    writer.release(replaced);
+    writer.write(path, file.name());
+    file.commit();
+}
+
+bool hasVisibility(const Scene& scene) {
+    if (!scene.document) return false;
+    for (const Json& mesh : listOf(scene.document->json, "meshes"))
+        for (const Json& primitive : listOf(mesh, "primitives"))
+            if (primitive["attributes"].contains(kAttribute)) return true;
+    return false;
+}
+
+Asset toAsset(Scene scene) {
+    Asset asset;
+    if (!hasVisibility(scene)) throw Error(scene.name + ": holds no baked visibility; make it with `apertura bake`");
+    const GltfDocument& document = *scene.document;
+    const Json& described = describedIn(document.json);
+    if (described.is_object()) asset.info = readInfo(described, scene.name);
+    const Model* stored = storedModel(asset.info);
+    std::map<std::pair<size_t, size_t>, size_t> streams;
+    if (stored) streams = findStreams(described);
+    for (const Instance& instance : scene.instances) {
+        const size_t mesh = document.json["nodes"][size_t(instance.node)]["mesh"].get<size_t>();
+        const Json& attributes = document.json["meshes"][mesh]["primitives"][size_t(instance.primitive)]["attributes"];
+        const std::string where = scene.name + ": mesh " + std::to_string(mesh);
+        if (!attributes.contains(kAttribute)) throw Error(where + " holds no baked visibility");
+        const size_t index = attributes[kAttribute].get<size_t>();
+        const Json& accessor = document.json["accessors"][index];
+        const bool wide = accessor["componentType"] == kShort;
+        if (!accessor.value("normalized", false) || (!wide && accessor["componentType"] != kByte))
+            throw Error(scene.name + ": _VISIBILITY is not of normalised bytes or shorts");
+        const std::vector<float> values = readAccessor(document, index, 4);
+        asset.info.bits = wide ? 16 : 8;
+        const glm::mat3 rotation = rotationPart(instance.toWorld);
+        const Surface& surface = scene.surfaces[size_t(instance.surface)];
+        std::vector<Visibility> points(values.size() / 4);
+        for (size_t i = 0; i < points.size(); ++i) {
+            points[i] = unpack(glm::vec4(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]));
+            points[i].direction = rotation * points[i].direction;
+        }
+        asset.seen.push_back({std::move(points), {}});
+        SeenByInstance& seen = asset.seen.back();
+        if (stored) {
+            const auto stream = streams.find({mesh, size_t(instance.primitive)});
+            if (stream == streams.end()) throw Error(where + " holds no numbers of the model " + asset.info.model);
+            try {
+                seen.forms = unpackForms(*stored, viewBytes(document, stream->second), seen.visibility.size(), rotation, asset.info.bits);
+            } catch (const Error& e) {
+                const std::string cause = e.what();
+                throw Error(cause.starts_with(scene.name) ? cause : where + ": " + cause);
+            }
+        }
+        // A file whose normals somebody took away: what its vertices see holds for each part of them.
+        if (!surface.splitFrom.empty()) seen = pick(seen, surface.splitFrom);
+    }
+    asset.scene = std::move(scene);
+    return asset;
+}
+
+Asset readAsset(const std::string& path) { return toAsset(readGltf(path)); }
+
+const Model* storedModel(const BakeInfo& info) {
+    const Model* model = findModel(info.model);
+    return model && (model->storedFields > 0 || model->id == MODEL_AUTO) ? model : nullptr;
+}
+
+bool mayMix(const Model& model, bool stored) { return model.mixes && !(stored && model.fromVisibility); }
+
+double bytesAPoint(const Asset& asset) {
+    const Model* stored = storedModel(asset.info);
+    double numbers = 0, points = 0;
+    for (const SeenByInstance& seen : asset.seen) {
+        points += double(seen.visibility.size());
+        if (!stored) continue;
+        for (const Form& form : seen.forms)
+            numbers += storedNumbers(models()[size_t(chosenModel(stored->id, form))]);
+    }
+    const double choice = stored && stored->id == MODEL_AUTO ? 1 : 0;
+    return asset.info.bits / 2.0 + choice + numbers / std::max(points, 1.0) * asset.info.bits / 8;
+}
+
+}  // namespace apertura

@@ -1,0 +1,190 @@
+#include "runtime/asset/gltf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/quaternion.hpp>
+
+#include "runtime/asset/file.h"
+#include "runtime/asset/gltf_document.h"
+
+namespace apertura {
+namespace {
+
+constexpr int kDeepestNode = 1000;
+// Of a normal's length from 1, as the Khronos validator has it: what is farther off is stored anew.
+constexpr float kUnitTolerance = 0.0067f;
+
+template <typename Vector>
+Vector vectorOr(const Json& node, const char* key, Vector fallback) {
+    const auto found = node.find(key);
+    if (found == node.end()) return fallback;
+    for (int i = 0; i < Vector::length(); ++i) fallback[i] = (*found)[size_t(i)].get<double>();
+    return fallback;
+}
+
+glm::dmat4 localTransform(const Json& node) {
+    glm::dmat4 m(1);
+    if (node.contains("matrix")) {
+        for (size_t i = 0; i < 16; ++i) m[int(i / 4)][int(i % 4)] = node["matrix"][i].get<double>();
+        return m;
+    }
+    m[3] = glm::dvec4(vectorOr(node, "translation", glm::dvec3(0)), 1);
+    const glm::dvec4 q = vectorOr(node, "rotation", glm::dvec4(0, 0, 0, 1));
+    m *= glm::mat4_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z)));
+    const glm::dvec3 scale = vectorOr(node, "scale", glm::dvec3(1));
+    for (int c = 0; c < 3; ++c) m[c] *= scale[c];
+    return m;
+}
+
+std::vector<std::array<uint32_t, 3>> triangulate(const std::vector<uint32_t>& indices, size_t mode) {
+    std::vector<std::array<uint32_t, 3>> out;
+    if (mode == kTriangles)
+        for (size_t i = 0; i + 2 < indices.size(); i += 3) out.push_back({indices[i], indices[i + 1], indices[i + 2]});
+    else
+        for (size_t i = 0; i + 2 < indices.size(); ++i) {
+            if (mode == kTriangleFan)
+                out.push_back({indices[i + 1], indices[i + 2], indices[0]});
+            else
+                out.push_back({indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]});
+        }
+    return out;
+}
+
+std::vector<glm::vec3> readVectors(const GltfDocument& document, size_t accessor) {
+    const std::vector<float> values = readAccessor(document, accessor, 3);
+    std::vector<glm::vec3> out(values.size() / 3);
+    for (size_t i = 0; i < out.size(); ++i) out[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    return out;
+}
+
+void readNormals(const GltfDocument& document, size_t accessor, Surface& surface) {
+    surface.normals = readVectors(document, accessor);
+    bool unit = true;
+    for (glm::vec3& n : surface.normals) {
+        const float length = glm::length(n);
+        unit = unit && std::abs(length - 1) < kUnitTolerance;
+        n = length > 1e-12f && std::isfinite(length) ? n / length : glm::vec3(0, 1, 0);
+    }
+    const Json& from = document.json["accessors"][accessor];
+    // Before they were decoded nobody could see that they are not: in the asset they would be our error.
+    surface.normalsMade = !unit && from.contains("bufferView") && document.decodedViews.contains(from["bufferView"].get<size_t>());
+}
+
+// The primitive as a Surface; without triangles where it draws points or lines.
+Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
+    Surface surface;
+    const size_t mode = unsignedOr(primitive, "mode", kTriangles);
+    const Json& attributes = primitive["attributes"];
+    if (mode < kTriangles || !attributes.contains("POSITION")) return surface;
+    if (primitive.contains("material")) surface.twoSided = document.json["materials"][primitive["material"].get<size_t>()].value("doubleSided", false);
+    surface.positions = readVectors(document, attributes["POSITION"].get<size_t>());
+    for (const auto& attribute : attributes.items())
+        if (accessorCount(document, attribute.value().get<size_t>()) != surface.positions.size())
+            throw Error(document.name + ": attribute " + attribute.key() + " does not have one element a vertex");
+    std::vector<uint32_t> indices;
+    if (primitive.contains("indices")) {
+        indices = readIndices(document, primitive["indices"].get<size_t>());
+    } else {
+        indices.resize(surface.positions.size());
+        for (size_t i = 0; i < indices.size(); ++i) indices[i] = uint32_t(i);
+    }
+    surface.triangles = triangulate(indices, mode);
+    for (const auto& triangle : surface.triangles)
+        for (uint32_t index : triangle)
+            if (index >= surface.positions.size())
+                throw Error(document.name + ": triangle index " + std::to_string(index) + " is out of range, there are "
+                            + std::to_string(surface.positions.size()) + " vertices");
+    if (attributes.contains("NORMAL"))
+        readNormals(document, attributes["NORMAL"].get<size_t>(), surface);
+    else
+        makeFlat(surface);
+    return surface;
+}
+
+// Walks the scene's nodes; glTF forbids cycles and files have them all the same.
+class Walker {
+public:
+    Walker(Scene& scene, const GltfDocument& document)
+        : scene_(scene), document_(document), nodes_(listOf(document.json, "nodes")), open_(nodes_.size()), seen_(nodes_.size()),
+          first_(listOf(document.json, "meshes").size(), -1) {}
+
+    void visit(size_t index, const glm::dmat4& parent, int depth = 0) {
+        const auto& path = scene_.name;
+        if (open_[index]) throw Error(path + ": node " + std::to_string(index) + " is its own ancestor");
+        if (seen_[index]) throw Error(path + ": node " + std::to_string(index) + " has two parents");
+        seen_[index] = true;
+        if (depth > kDeepestNode) throw Error(path + ": nodes are nested more than 1000 deep");
+        open_[index] = true;
+        const Json& node = nodes_[index];
+        const glm::dmat4 world = parent * localTransform(node);
+        if (node.contains("mesh")) addMesh(index, node["mesh"].get<size_t>(), world);
+        if (node.contains("camera") && !scene_.camera) addCamera(document_.json["cameras"][node["camera"].get<size_t>()], world);
+        for (const Json& child : listOf(node, "children")) visit(child.get<size_t>(), world, depth + 1);
+        open_[index] = false;
+    }
+
+private:
+    void addMesh(size_t node, size_t mesh, const glm::dmat4& world) {
+        const Json& primitives = listOf(document_.json["meshes"][mesh], "primitives");
+        if (first_[mesh] < 0) {
+            first_[mesh] = int(scene_.surfaces.size());
+            for (const Json& primitive : primitives) {
+                scene_.surfaces.push_back(readPrimitive(document_, primitive));
+                surfaceBytes_ += memoryOf(scene_.surfaces.back());
+                requireMemory(scene_.name, "its meshes", surfaceBytes_);
+            }
+        }
+        for (size_t p = 0; p < primitives.size(); ++p)
+            if (!scene_.surfaces[size_t(first_[mesh]) + p].triangles.empty())
+                scene_.instances.push_back({first_[mesh] + int(p), glm::mat4(world), int(node), int(p)});
+    }
+
+    void addCamera(const Json& camera, const glm::dmat4& world) {
+        if (camera.value("type", "") != "perspective" || !camera.contains("perspective")) return;
+        const double fov = camera["perspective"].value("yfov", 0.0);
+        const glm::dvec3 eye(world[3]), forward = -glm::dvec3(world[2]), up(world[1]);
+        const double length = glm::length(forward), height = glm::length(up);
+        if (!(fov > 0 && length > 0 && height > 0) || !std::isfinite(length) || !std::isfinite(height)) return;
+        scene_.camera = Camera{glm::vec3(eye), glm::vec3(eye + forward / length), float(fov), glm::vec3(up / height)};
+    }
+
+    Scene& scene_;
+    const GltfDocument& document_;
+    const Json& nodes_;
+    std::vector<bool> open_, seen_;
+    std::vector<int> first_;  // surface of each mesh, or -1
+    double surfaceBytes_ = 0;
+};
+
+Scene readScene(GltfDocument&& given) {
+    Scene scene;
+    scene.name = given.name;
+    scene.document = std::make_shared<GltfDocument>(std::move(given));
+    const GltfDocument& document = *scene.document;
+    scene.notes = document.notes;
+    Walker walker(scene, document);
+    const Json& scenes = listOf(document.json, "scenes");
+    if (!scenes.empty()) {
+        for (const Json& node : listOf(scenes[unsignedOr(document.json, "scene", 0)], "nodes")) walker.visit(node.get<size_t>(), glm::dmat4(1));
+    } else {
+        const Json& nodes = listOf(document.json, "nodes");
+        std::vector<bool> child(nodes.size());
+        for (const Json& node : nodes)
+            for (const Json& c : listOf(node, "children")) child[c.get<size_t>()] = true;
+        for (size_t n = 0; n < nodes.size(); ++n)
+            if (!child[n]) walker.visit(n, glm::dmat4(1));
+    }
+    validate(scene);
+    return scene;
+}
+
+}  // namespace
+
+Scene readGltf(const std::string& path) { return readScene(readGltfDocument(path)); }
+
+Scene parseGltf(std::span<const unsigned char> bytes, const std::string& name, const std::filesystem::path& folder) {
+    return readScene(parseGltfDocument(bytes, name, folder));
+}
+
+}  // namespace apertura

@@ -1,0 +1,103 @@
+// What a glTF file may make us read: see runtime/gltf_document.h.
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "runtime/asset/file.h"
+#include "runtime/asset/gltf_document.h"
+
+namespace apertura {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<Bytes> decodeBase64(std::string_view text) {
+    static const std::array<int8_t, 256> values = [] {
+        std::array<int8_t, 256> out;
+        out.fill(-1);
+        const std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        for (size_t i = 0; i < digits.size(); ++i) out[uint8_t(digits[i])] = int8_t(i);
+        return out;
+    }();
+    while (!text.empty() && text.back() == '=') text.remove_suffix(1);
+    Bytes out;
+    out.reserve(text.size() / 4 * 3 + 3);
+    uint32_t bits = 0;
+    int count = 0;
+    for (const char c : text) {
+        const int8_t value = values[uint8_t(c)];
+        if (value < 0) return {};
+        bits = bits << 6 | uint32_t(value);
+        count += 6;
+        if (count >= 8) {
+            count -= 8;
+            out.push_back(static_cast<unsigned char>(bits >> count & 255));
+        }
+    }
+    return out;
+}
+
+std::optional<std::string> decodePercent(std::string_view text) {
+    auto digit = [](char c) { return std::isdigit(uint8_t(c)) ? c - '0' : std::isxdigit(uint8_t(c)) ? std::tolower(c) - 'a' + 10 : -1; };
+    std::string out;
+    for (size_t i = 0; i < text.size(); ++i) {
+        if (text[i] != '%') {
+            out += text[i];
+            continue;
+        }
+        if (i + 2 >= text.size() || digit(text[i + 1]) < 0 || digit(text[i + 2]) < 0) return {};
+        out += char(digit(text[i + 1]) * 16 + digit(text[i + 2]));
+        i += 2;
+    }
+    return out;
+}
+
+// The name of a URI's scheme (RFC 3986, 3.1), or nothing where it is a relative reference.
+std::string_view schemeOf(std::string_view uri) {
+    const size_t end = std::find_if(uri.begin(), uri.end(), [](char c) { return !std::isalnum(uint8_t(c)) && c != '+' && c != '-' && c != '.'; }) - uri.begin();
+    const bool scheme = end > 0 && end < uri.size() && uri[end] == ':' && std::isalpha(uint8_t(uri[0]));
+    return scheme ? uri.substr(0, end) : std::string_view();
+}
+
+bool isWithin(const fs::path& file, const fs::path& folder) {
+    return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
+}
+
+}  // namespace
+
+std::optional<Bytes> readUri(const std::string& uri, const fs::path& folder, std::optional<size_t> length, const std::string& name) {
+    // Data may be long: its beginning names it.
+    const std::string shown = uri.size() > 120 ? uri.substr(0, 100) + "..." : uri;
+    auto refuse = [&](const std::string& cause) { return Error(name + ": the URI '" + shown + "' " + cause); };
+    Bytes bytes;
+    if (uri.starts_with("data:")) {
+        const size_t comma = uri.find(',');
+        if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
+            throw refuse("holds no base64 data");
+        std::optional<Bytes> decoded = decodeBase64(std::string_view(uri).substr(comma + 1));
+        if (!decoded) throw refuse("holds damaged base64 data");
+        bytes = std::move(*decoded);
+    } else {
+        if (!schemeOf(uri).empty()) throw refuse("is not a file in the document's own folder");
+        const std::optional<std::string> decoded = decodePercent(uri);
+        if (!decoded || decoded->empty() || decoded->find('\0') != std::string::npos) throw refuse("is not a file's name");
+        if (fs::path(*decoded).is_absolute()) throw refuse("is not relative to the document's own folder");
+        // Decided by where the path leads, links followed: not by how it is spelt.
+        std::error_code error;
+        const fs::path home = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
+        if (error) throw refuse("cannot be looked for: " + error.message());
+        const fs::path target = fs::weakly_canonical(home / *decoded, error);
+        if (error || !isWithin(target, home)) throw refuse("leads out of the document's own folder");
+        if (fs::status(target, error).type() == fs::file_type::not_found) return {};
+        try {
+            bytes = readFile(target.string(), length);
+        } catch (const Error& e) {
+            throw refuse("cannot be read: " + std::string(e.what()).substr(target.string().size() + 2));
+        }
+    }
+    if (length && bytes.size() != *length)
+        throw refuse("holds " + std::to_string(bytes.size()) + " bytes where the document says " + std::to_string(*length));
+    return bytes;
+}
+
+}  // namespace apertura

@@ -1,0 +1,258 @@
+#include "runtime/asset/gltf_writer.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+
+namespace apertura {
+namespace {
+
+constexpr size_t kAlignment = 16;  // of what a buffer held, kept
+
+using Visit = std::function<void(Json& index)>;
+
+void visitMember(Json& holder, const char* key, const Visit& visit) {
+    if (const auto found = holder.find(key); found != holder.end()) visit(*found);
+}
+
+Json& member(Json& holder, const char* key) {
+    static Json none = Json::array();
+    const auto found = holder.find(key);
+    return found == holder.end() ? none = Json::array() : *found;
+}
+
+void visitAccessors(Json& json, const Visit& visit) {
+    for (Json& mesh : member(json, "meshes"))
+        for (Json& primitive : member(mesh, "primitives")) {
+            for (Json& index : primitive["attributes"]) visit(index);
+            visitMember(primitive, "indices", visit);
+            if (primitive.contains("targets"))
+                for (Json& target : primitive["targets"])
+                    for (Json& index : target) visit(index);
+        }
+    for (Json& skin : member(json, "skins")) visitMember(skin, "inverseBindMatrices", visit);
+    for (Json& animation : member(json, "animations"))
+        if (animation.contains("samplers"))
+            for (Json& sampler : animation["samplers"])
+                for (const char* key : {"input", "output"}) visitMember(sampler, key, visit);
+}
+
+// Those of accessors that `except` names are passed over.
+void visitViews(Json& json, const std::set<size_t>& except, const Visit& visit) {
+    if (json.contains("accessors"))
+        for (size_t i = 0; i < json["accessors"].size(); ++i) {
+            Json& accessor = json["accessors"][i];
+            if (except.contains(i)) continue;
+            visitMember(accessor, "bufferView", visit);
+            if (accessor.contains("sparse"))
+                for (const char* key : {"indices", "values"}) visitMember(accessor["sparse"][key], "bufferView", visit);
+        }
+    if (json.contains("images"))
+        for (Json& image : json["images"]) visitMember(image, "bufferView", visit);
+    const Json::json_pointer forms("/asset/extras/apertura/forms");
+    if (json.contains(forms) && json[forms].is_array())
+        for (Json& form : json[forms])
+            if (form.is_object()) visitMember(form, "bufferView", visit);
+}
+
+std::set<size_t> unused(std::set<size_t> candidates, const std::function<void(const Visit&)>& visitAll) {
+    visitAll([&](Json& index) { candidates.erase(index.get<size_t>()); });
+    return candidates;
+}
+
+// Takes elements out of an array of the document and counts the indices that lie behind them down.
+void removeElements(Json& list, const std::set<size_t>& indices, const std::function<void(const Visit&)>& visitAll) {
+    if (indices.empty()) return;
+    visitAll([&](Json& index) {
+        const size_t old = index.get<size_t>();
+        index = old - size_t(std::distance(indices.begin(), indices.lower_bound(old)));
+    });
+    Json kept = Json::array();
+    for (size_t i = 0; i < list.size(); ++i)
+        if (!indices.contains(i)) kept.push_back(std::move(list[i]));
+    list = std::move(kept);
+}
+
+// Whether an extension might refer to accessors or views by index: those of materials, textures and lights do not.
+bool onlyKnownExtensions(const Json& json) {
+    for (const Json& extension : listOf(json, "extensionsUsed")) {
+        const auto& name = extension.get_ref<const std::string&>();
+        static const std::set<std::string> harmless{"KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "KHR_texture_basisu",
+                                                    "EXT_texture_webp",      "MSFT_texture_dds",      "KHR_xmp_json_ld"};
+        if (!harmless.contains(name) && !name.starts_with("KHR_materials_")) return false;
+    }
+    return true;
+}
+
+// By the first bytes of the file, as each format's specification has them.
+std::string mimeTypeOf(const Bytes& bytes) {
+    const std::string head(bytes.begin(), bytes.begin() + ptrdiff_t(std::min<size_t>(bytes.size(), 12)));
+    if (head.starts_with("\xFF\xD8")) return "image/jpeg";
+    if (head.starts_with("\xABKTX 20")) return "image/ktx2";
+    if (head.starts_with("RIFF") && head.substr(8) == "WEBP") return "image/webp";
+    return "image/png";
+}
+
+void putWord(std::string& out, size_t value) {
+    for (int i = 0; i < 4; ++i) out += char(value >> (8 * i) & 255);
+}
+
+}  // namespace
+
+GltfWriter::GltfWriter(const GltfDocument& document) : json_(document.json), buffers_(document.buffers), images_(document.images) {}
+
+size_t GltfWriter::addView(Bytes bytes, GltfTarget target, size_t stride) {
+    Json view{{"buffer", buffers_.size()}, {"byteLength", bytes.size()}};
+    if (target != kNoTarget) view["target"] = int(target);
+    if (stride) view["byteStride"] = stride;
+    json_["buffers"].push_back({{"byteLength", bytes.size()}});
+    buffers_.push_back(std::make_shared<const Bytes>(std::move(bytes)));
+    if (freeViews_.empty()) {
+        json_["bufferViews"].push_back(std::move(view));
+        return json_["bufferViews"].size() - 1;
+    }
+    const size_t place = *freeViews_.begin();
+    freeViews_.erase(place);
+    json_["bufferViews"][place] = std::move(view);
+    return place;
+}
+
+size_t GltfWriter::addAccessor(Json members, Bytes bytes, GltfTarget target, size_t stride) {
+    members["bufferView"] = addView(std::move(bytes), target, stride);
+    if (freeAccessors_.empty()) {
+        json_["accessors"].push_back(std::move(members));
+        return json_["accessors"].size() - 1;
+    }
+    const size_t place = *freeAccessors_.begin();
+    freeAccessors_.erase(place);
+    json_["accessors"][place] = std::move(members);
+    return place;
+}
+
+void GltfWriter::release(const std::set<size_t>& accessors, const std::set<size_t>& views) {
+    const std::set<size_t> gone = unused(accessors, [&](const Visit& visit) { visitAccessors(json_, visit); });
+    std::set<size_t> held = views;
+    for (const size_t accessor : gone) {
+        Json& entry = json_["accessors"][accessor];
+        visitMember(entry, "bufferView", [&](Json& index) { held.insert(index.get<size_t>()); });
+        if (entry.contains("sparse"))
+            for (const char* key : {"indices", "values"}) held.insert(entry["sparse"][key]["bufferView"].get<size_t>());
+    }
+    freeAccessors_.insert(gone.begin(), gone.end());
+    const std::set<size_t> views_ = unused(held, [&](const Visit& visit) { visitViews(json_, freeAccessors_, visit); });
+    freeViews_.insert(views_.begin(), views_.end());
+}
+
+void GltfWriter::removeReleased() {
+    if (onlyKnownExtensions(json_)) {
+        removeElements(json_["accessors"], freeAccessors_, [&](const Visit& visit) { visitAccessors(json_, visit); });
+        removeElements(json_["bufferViews"], freeViews_, [&](const Visit& visit) { visitViews(json_, {}, visit); });
+        return;
+    }
+    // Somebody may count on the places of the others: what is not used shrinks in its own.
+    for (const size_t accessor : freeAccessors_)
+        for (const char* key : {"bufferView", "byteOffset", "sparse", "min", "max"}) json_["accessors"][accessor].erase(key);
+    if (freeViews_.empty()) return;
+    const std::set<size_t> shrunk = std::exchange(freeViews_, {});
+    json_["buffers"].push_back({{"byteLength", 4}});
+    buffers_.push_back(std::make_shared<const Bytes>(4));
+    for (const size_t view : shrunk) json_["bufferViews"][view] = {{"buffer", buffers_.size() - 1}, {"byteLength", 4}};
+}
+
+void GltfWriter::embedImages() {
+    std::map<const Bytes*, size_t> views;
+    for (size_t i = 0; i < images_.size(); ++i) {
+        Json& image = json_["images"][i];
+        if (images_[i]->empty()) continue;
+        const auto [view, fresh] = views.try_emplace(images_[i].get());
+        if (fresh) view->second = addView(*images_[i]);
+        if (!image.contains("mimeType")) image["mimeType"] = mimeTypeOf(*images_[i]);
+        image["bufferView"] = view->second;
+        image.erase("uri");
+    }
+}
+
+// The runs of bytes that make up the one buffer, each padded to a multiple of four; views are moved there.
+std::vector<std::span<const unsigned char>> GltfWriter::packBuffers() {
+    static const unsigned char zeros[kAlignment] = {};
+    struct Use {
+        size_t buffer, begin, end, view;
+    };
+    std::vector<Use> uses;
+    std::map<const Bytes*, size_t> first;  // entries that share their bytes are one buffer
+    Json& views = json_["bufferViews"];
+    for (size_t i = 0; i < views.size(); ++i) {
+        const size_t given = views[i]["buffer"].get<size_t>(), begin = unsignedOr(views[i], "byteOffset", 0);
+        const size_t buffer = first.try_emplace(buffers_[given].get(), given).first->second;
+        uses.push_back({buffer, begin, begin + views[i]["byteLength"].get<size_t>(), i});
+    }
+    std::stable_sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return std::tie(a.buffer, a.begin) < std::tie(b.buffer, b.begin); });
+    // Views that overlap, or touch but for padding, stay together; in the order of the first of them.
+    std::map<size_t, std::vector<Use>> groups;
+    for (size_t i = 0; i < uses.size();) {
+        std::vector<Use> group{uses[i]};
+        size_t end = uses[i].end, foremost = uses[i].view;
+        for (++i; i < uses.size() && uses[i].buffer == group[0].buffer && uses[i].begin < end + 4; ++i) {
+            end = std::max(end, uses[i].end);
+            foremost = std::min(foremost, uses[i].view);
+            group.push_back(uses[i]);
+        }
+        groups[foremost] = std::move(group);
+    }
+    std::vector<std::span<const unsigned char>> runs;
+    size_t size = 0;
+    auto append = [&](std::span<const unsigned char> bytes) {
+        runs.push_back(bytes);
+        size += bytes.size();
+    };
+    for (const auto& [view, group] : groups) {
+        const size_t begin = group[0].begin / kAlignment * kAlignment;
+        size_t end = 0;
+        append({zeros, (kAlignment - size % kAlignment) % kAlignment});
+        for (const Use& use : group) {
+            views[use.view]["buffer"] = 0;
+            views[use.view]["byteOffset"] = size + use.begin - begin;
+            end = std::max(end, use.end);
+        }
+        append(std::span(*buffers_[group[0].buffer]).subspan(begin, end - begin));
+    }
+    append({zeros, (4 - size % 4) % 4});
+    // What buffers held besides: of the first it stays, others' moves to a list.
+    Json merged = json_["buffers"].empty() ? Json::object() : json_["buffers"][0], others = Json::array();
+    merged.erase("uri");
+    merged["byteLength"] = size;
+    for (size_t i = 1; i < json_["buffers"].size(); ++i) {
+        Json rest = json_["buffers"][i];
+        for (const char* key : {"uri", "byteLength"}) rest.erase(key);
+        if (!rest.empty()) others.push_back({{"buffer", i}, {"content", rest}});
+    }
+    if (!others.empty()) json_["asset"]["extras"]["apertura"]["mergedBuffers"] = others;
+    json_["buffers"] = Json::array({merged});
+    return runs;
+}
+
+void GltfWriter::write(const std::string& path, const std::string& temporary) {
+    embedImages();
+    removeReleased();
+    const std::vector<std::span<const unsigned char>> runs = packBuffers();
+    std::string text = json_.dump();
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    const size_t binary = json_["buffers"][0]["byteLength"].get<size_t>(), total = 12 + 8 + text.size() + 8 + binary;
+    if (total > std::numeric_limits<uint32_t>::max()) throw Error(path + ": the asset would be larger than the 4 GiB of a .glb");
+    std::string head = "glTF";
+    for (const size_t word : {size_t(2), total, text.size()}) putWord(head, word);
+    head += "JSON" + text;
+    putWord(head, binary);
+    head += std::string("BIN\0", 4);
+    std::ofstream out(temporary, std::ios::binary);
+    out.write(head.data(), std::streamsize(head.size()));
+    for (const auto& run : runs) out.write(reinterpret_cast<const char*>(run.data()), std::streamsize(run.size()));
+    out.close();
+    if (!out) throw Error(path + ": cannot be written: " + std::strerror(errno));
+}
+
+}  // namespace apertura

@@ -1,0 +1,176 @@
+#include "runtime/asset/scene.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <tuple>
+
+#include "runtime/asset/error.h"
+
+namespace apertura {
+namespace {
+
+constexpr float kFarthest = 1e15f;  // metres; beyond, squares of lengths leave float32
+constexpr double kPlaneSteps = 4096;          // of a normal's components: planes nearer than that are one
+constexpr double kBytesABakedVertex = 150;    // point, samples, the four numbers and a model's parameters
+
+bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+}  // namespace
+
+glm::mat3 rotationPart(const glm::mat4& m) {
+    glm::dmat3 q(m);
+    // Higham's iteration converges quadratically to the orthogonal factor.
+    for (int i = 0; i < 60; ++i) {
+        const double det = glm::determinant(q);
+        if (!(std::abs(det) > 1e-300)) return glm::mat3(1);
+        const double scale = i == 0 ? 1 / std::cbrt(std::abs(det)) : 1;
+        const glm::dmat3 s = q * scale, next = 0.5 * (s + glm::transpose(glm::inverse(s)));
+        double change = 0;
+        for (int c = 0; c < 3; ++c) change += glm::length(next[c] - q[c]);
+        q = next;
+        if (change < 1e-14) break;
+    }
+    return glm::mat3(q);
+}
+
+glm::mat3 normalMatrix(const glm::mat4& m) {
+    const glm::dmat3 linear(m);
+    const double det = glm::determinant(linear);
+    if (!(std::abs(det) > 1e-300)) return rotationPart(m);
+    const glm::dmat3 cofactor = glm::transpose(glm::inverse(linear));
+    double largest = 0;  // made 1: floats do not hold the squares of all scales
+    for (int c = 0; c < 3; ++c) largest = std::max(largest, glm::length(cofactor[c]));
+    return glm::mat3(cofactor / largest);
+}
+
+Box worldBounds(const Scene& scene) {
+    Box box;
+    for (const Instance& instance : scene.instances)
+        for (const glm::vec3& p : scene.surfaces[instance.surface].positions) {
+            const glm::vec3 world(worldPosition(instance, p));
+            box.low = glm::min(box.low, world);
+            box.high = glm::max(box.high, world);
+        }
+    return box;
+}
+
+size_t triangleCount(const Scene& scene) {
+    size_t n = 0;
+    for (const Instance& instance : scene.instances) n += scene.surfaces[instance.surface].triangles.size();
+    return n;
+}
+
+Camera viewOf(const Scene& scene) {
+    if (scene.camera) return *scene.camera;
+    const Box box = worldBounds(scene);
+    Camera camera;
+    camera.target = 0.5f * (box.low + box.high);
+    const glm::vec3 back = glm::normalize(glm::vec3(0.45f, 0.55f, 1.0f));
+    const glm::vec3 right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), back)), up = glm::cross(back, right);
+    // As near as keeps every corner of the box in a picture of 3 : 2, with a little air.
+    const float tangent = std::tan(camera.verticalFov / 2) * 0.92f;
+    float distance = 1e-6f;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p = glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                      corner & 4 ? box.high.z : box.low.z) - camera.target;
+        const float needed = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / 1.5f) / tangent;
+        distance = std::max(distance, glm::dot(p, back) + needed);
+    }
+    camera.eye = camera.target + distance * back;
+    return camera;
+}
+
+void makeNormals(Surface& surface) {
+    std::vector<glm::dvec3> sums(surface.positions.size(), glm::dvec3(0));
+    for (const auto& triangle : surface.triangles)
+        for (int k = 0; k < 3; ++k) {
+            const glm::dvec3 p = surface.positions[triangle[k]];
+            const glm::dvec3 a = glm::dvec3(surface.positions[triangle[(k + 1) % 3]]) - p;
+            const glm::dvec3 b = glm::dvec3(surface.positions[triangle[(k + 2) % 3]]) - p;
+            const glm::dvec3 n = glm::cross(a, b);
+            const double length = glm::length(n);
+            if (length > 0) sums[triangle[k]] += n / length * std::atan2(length, glm::dot(a, b));
+        }
+    surface.normals.resize(sums.size());
+    for (size_t i = 0; i < sums.size(); ++i) {
+        const double length = glm::length(sums[i]);
+        surface.normals[i] = length > 1e-12 ? glm::vec3(sums[i] / length) : glm::vec3(0, 1, 0);
+    }
+    surface.normalsMade = true;
+}
+
+void makeFlat(Surface& surface) {
+    // Triangles at a vertex whose normals round to the same lie in one plane.
+    using Key = std::tuple<uint32_t, long, long, long>;
+    std::map<Key, uint32_t> parts;
+    const std::vector<glm::vec3> given = std::move(surface.positions);
+    std::vector<uint32_t> any(given.size(), UINT32_MAX);
+    surface.positions.clear();
+    surface.normals.clear();
+    surface.splitFrom.clear();
+    auto split = [&](uint32_t from, const glm::dvec3& normal) {
+        const auto round = [](double x) { return std::lround(x * kPlaneSteps); };
+        const auto [part, fresh] = parts.try_emplace({from, round(normal.x), round(normal.y), round(normal.z)}, uint32_t(surface.positions.size()));
+        if (fresh) {
+            surface.positions.push_back(given[from]);
+            surface.normals.emplace_back(normal);
+            surface.splitFrom.push_back(from);
+        }
+        return any[from] = part->second;
+    };
+    std::vector<size_t> flatless;
+    for (size_t t = 0; t < surface.triangles.size(); ++t) {
+        auto& triangle = surface.triangles[t];
+        const glm::dvec3 p(given[triangle[0]]), n = glm::cross(glm::dvec3(given[triangle[1]]) - p, glm::dvec3(given[triangle[2]]) - p);
+        const double length = glm::length(n);
+        if (length > 0 && std::isfinite(length))
+            for (uint32_t& vertex : triangle) vertex = split(vertex, n / length);
+        else
+            flatless.push_back(t);
+    }
+    for (const size_t t : flatless)
+        for (uint32_t& vertex : surface.triangles[t]) vertex = any[vertex] != UINT32_MAX ? any[vertex] : split(vertex, {0, 1, 0});
+    surface.normalsMade = true;
+}
+
+double memoryOf(const Surface& surface) {
+    return double(surface.positions.size()) * sizeof(glm::vec3) * 2 + double(surface.triangles.size()) * sizeof(surface.triangles[0]);
+}
+
+void requireMemory(const std::string& name, const std::string& what, double bytes) {
+    static const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+    if (bytes <= machine / 2) return;
+    char text[128];
+    std::snprintf(text, sizeof text, " would take %.3g GiB, more than half of this machine's %.3g", bytes / 0x1p30, machine / 0x1p30);
+    throw Error(name + ": " + what + text);
+}
+
+void validate(const Scene& scene) {
+    if (triangleCount(scene) == 0) throw Error(scene.name + ": no triangles");
+    double vertices = 0;
+    for (const Instance& instance : scene.instances) vertices += double(scene.surfaces[size_t(instance.surface)].positions.size());
+    requireMemory(scene.name, "the vertices of its " + std::to_string(scene.instances.size()) + " instances", vertices * kBytesABakedVertex);
+    for (const Surface& surface : scene.surfaces) {
+        for (const glm::vec3& p : surface.positions)
+            if (!finite(p)) throw Error(scene.name + ": a vertex position is not a finite number");
+        for (const auto& triangle : surface.triangles)
+            for (uint32_t index : triangle)
+                if (index >= surface.positions.size())
+                    throw Error(scene.name + ": triangle index " + std::to_string(index)
+                                + " is out of range, there are " + std::to_string(surface.positions.size())
+                                + " vertices");
+    }
+    for (const Instance& instance : scene.instances)
+        for (int c = 0; c < 4; ++c)
+            if (!finite(glm::vec3(instance.toWorld[c])))
+                throw Error(scene.name + ": a node transform is not finite");
+    const Box box = worldBounds(scene);
+    const float reach = std::max(glm::length(box.low), glm::length(box.high));
+    if (!(reach < kFarthest)) throw Error(scene.name + ": a vertex lies farther than 1e15 m from the origin");
+}
+
+}  // namespace apertura

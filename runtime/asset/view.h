@@ -1,0 +1,32 @@
+#pragma once
+// What is seen and what it is lit by: the same for the Vulkan renderer and for the ray-traced reference.
+#include <vector>
+
+#include "runtime/asset/scene.h"
+#include "sh/shading.h"
+
+namespace apertura {
+
+struct View {
+    Camera camera;
+    int width = 960, height = 540;  // pixels; each is the mean of 2 x 2 samples
+    std::vector<Light> lights;      // at most MAX_LIGHTS
+    glm::vec3 sky{0.11f, 0.2f, 0.42f};  // radiance, W/m2/sr
+    glm::vec3 albedo{0.8f};
+};
+
+// A light at infinity.
+//   direction  towards it, of any length
+//   radius     angular, radians, 0 < radius <= pi/4
+//   radiance   rgb, W/m2/sr
+Light directionalLight(const glm::vec3& direction, double radius, const glm::vec3& radiance);
+// A glowing sphere: `centre` and `radius` > 0 in metres, `radiance` rgb in W/m2/sr.
+Light sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance);
+
+// Clip space of Vulkan (y down, depth 1 at `nearest` metres falling to 0 at infinity).
+glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest);
+
+// Direction (not unit) through a point of the picture, u and v in 0..1 from its top left corner.
+glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v);
+
+}  // namespace apertura
