@@ -21,7 +21,7 @@ Scene sceneOf(Surface surface, const glm::mat4& transform = glm::mat4(1)) {
 
 std::vector<Visibility> visibilityAt(const Tracer& tracer, std::span<const SurfacePoint> points, const BakeOptions& options) {
     std::vector<Visibility> out;
-    for (const BakedPoint& p : bakePoints(RayOcclusion(tracer), points, options)) out.push_back(p.visibility);
+    for (const BakedPoint& p : bakePoints(RayOcclusion(tracer, options.maxDistance), points, options)) out.push_back(p.visibility);
     return out;
 }
 

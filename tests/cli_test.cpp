@@ -226,6 +226,19 @@ TEST(Cli, OutputThatCannotBeWrittenIsAFailure) {
     }
 }
 
+TEST(Cli, FilesThatDoNotFitAreAFailure) {
+    const Folder folder;
+    const std::string glb = folder / "o.glb";
+    ASSERT_EQ(run("bake builtin:room-1 -o " + glb + " --rays 4").code, 0);
+    // At most a kilobyte a file: the picture, the table and the asset are larger.
+    for (const std::string& arguments : {"render " + glb + " -o " + (folder / "p.png") + " --size 300x300", "render " + glb + " -o " + (folder / "p.exr") + " --size 300x300",
+                                         "bake " + glb + " -o " + (folder / "p.glb") + " --rays 4", "compare " + glb + " --receivers 4 --json " + (folder / "p.json")}) {
+        const int status = std::system(("ulimit -f 2; " APERTURA_PROGRAM " " + arguments + " >/dev/null 2>/dev/null").c_str());
+        EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
+        EXPECT_EQ(folder.files(), 1u) << arguments;
+    }
+}
+
 TEST(Cli, WhatAKilledBakeLeftGoesWithTheNext) {
     const Folder folder;
     const std::string out = folder / "o.glb", scene = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

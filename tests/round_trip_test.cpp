@@ -159,6 +159,51 @@ TEST(RoundTrip, WhatSeveralBuffersHeldIsKept) {
     }
 }
 
+TEST(RoundTrip, ListsOfBuffersGrowWithWhatToolsAdd) {
+    const Folder folder;
+    folder.write("b.bin", std::string(16, 'b'));
+    std::string text = gltf(squareWithNormals(), std::string(kView96) + R"(,{"buffer":1,"byteLength":8})", std::string(kVec3) + "," + kNormals, kBoth);
+    text.replace(text.find("}],\"bufferViews\""), 1, R"(},{"byteLength":16,"uri":"b.bin","name":"second"})");
+    text.replace(text.find(R"("version":"2.0")"), 15, R"("version":"2.0","generator":"a tool","extras":{"apertura":{"mergedBuffers":[{"content":{"name":"first"}}]}})");
+    const Scene scene = readGltf(folder.write("a.gltf", text));
+    writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
+    const Json ours = jsonOf(folder / "o.glb")["asset"]["extras"]["apertura"];
+    ASSERT_EQ(ours["mergedBuffers"].size(), 2u);
+    EXPECT_EQ(ours["mergedBuffers"][0]["content"]["name"], "first");
+    EXPECT_EQ(ours["inputGenerator"], "a tool");
+}
+
+TEST(RoundTrip, ImagesKeepTheirKind) {
+    const Folder folder;
+    const std::string text = gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth, R"({"mesh":0})",
+                                  R"(,"images":[{"uri":"data:image/avif;base64,AAAA"},{"uri":"a.dds"},{"uri":"a.what"},{"uri":"a.jpg"}])");
+    folder.write("a.dds", "DDS " + std::string(20, 'x'));
+    folder.write("a.what", "what is it");
+    folder.write("a.jpg", "\xFF\xD8\xFF" + std::string(20, 'x'));
+    const Scene scene = readGltf(folder.write("a.gltf", text));
+    writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
+    const Json out = jsonOf(folder / "o.glb"), images = out["images"];
+    EXPECT_EQ(images[0]["mimeType"], "image/avif");
+    EXPECT_EQ(images[1]["mimeType"], "image/vnd-ms.dds");
+    EXPECT_EQ(images[2].dump(), R"({"uri":"a.what"})");
+    EXPECT_EQ(images[3]["mimeType"], "image/jpeg");
+}
+
+TEST(RoundTrip, ASecondSetOfTheSameIsLeftOut) {
+    const Folder folder;
+    // Draco, for readers that know it; and tangents that nobody may use without normals.
+    const std::string primitive = R"({"attributes":{"POSITION":0,"TANGENT":1},"mode":6,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}}})";
+    const std::string tangents = std::string(kVec3) + R"(,{"bufferView":1,"componentType":5126,"type":"VEC4","count":4})";
+    std::vector<float> data = kSquare;
+    data.resize(28, 1.0f);
+    const std::string views = std::string(kView) + R"(,{"buffer":0,"byteOffset":48,"byteLength":64})";
+    const Scene scene = readGltf(folder.write("a.gltf", gltf(data, views, tangents, primitive, R"({"mesh":0})", R"(,"extensionsUsed":["KHR_draco_mesh_compression"])")));
+    writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
+    const std::string out = jsonOf(folder / "o.glb").dump();
+    EXPECT_EQ(out.find("draco"), std::string::npos) << out;
+    EXPECT_EQ(out.find("TANGENT"), std::string::npos) << out;
+}
+
 TEST(RoundTrip, RealFilesComeOutAsTheyWere) {
     NEEDS_DATA();
     int whole = 0;

@@ -43,7 +43,7 @@ Camera parseCamera(const std::string& text, const Camera& fallback) {
     const std::vector<double> n = parseNumbers(text, ',');
     const bool near = std::all_of(n.begin(), n.end(), [](double x) { return std::abs(x) < 1e15; });
     const bool right = near && (n.size() == 6 || (n.size() == 7 && n[6] > 0 && n[6] < 179))
-                    && glm::dvec3(n[0], n[1], n[2]) != glm::dvec3(n[3], n[4], n[5]);
+                    && glm::vec3(n[0], n[1], n[2]) != glm::vec3(n[3], n[4], n[5]);
     if (!right) throw CLI::ValidationError("--camera: '" + text + "' is not EX,EY,EZ,TX,TY,TZ[,FOV], eye and target apart");
     return {glm::vec3(n[0], n[1], n[2]), glm::vec3(n[3], n[4], n[5]), n.size() == 7 ? float(n[6] * kDegree) : fallback.verticalFov};
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
     apertura::addChartCommand(program);
     apertura::addStabilityCommand(program);
     apertura::catchInterrupts();
+    std::signal(SIGXFSZ, SIG_IGN);  // a file too large is an error like others
     const auto verbs = program.get_subcommands([](const CLI::App*) { return true; });
     if (argc > 1 && argv[1][0] != '-'
         && std::none_of(verbs.begin(), verbs.end(), [&](const CLI::App* verb) { return verb->get_name() == argv[1]; }))

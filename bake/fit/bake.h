@@ -16,7 +16,7 @@ struct BakeOptions {
     double price = 0;                // of "auto": see FitOptions; bakeVertices finds it itself
     int rays = 256;          // a point, 1 .. 1 << 20
     uint32_t seed = 1;
-    double maxDistance = 0;  // metres beyond which nothing blocks; 0: no limit
+    double maxDistance = 0;  // of bakeVertices: metres beyond which nothing blocks; 0: no limit
     int threads = 0;         // 0: all cores
 };
 

@@ -46,6 +46,14 @@ glm::vec3 middleOf(const Surface& surface) {
     return surface.positions.empty() ? glm::vec3(0) : glm::vec3(0.5 * (glm::dvec3(box.low) + glm::dvec3(box.high)));
 }
 
+// Whether rays can be taken to an instance's own frame in float32: it is not flat, and not a speck beside the scene.
+// `toRays`: from its own size to rays'.
+bool isWellConditioned(const glm::dmat3& toRays) {
+    auto norm = [](const glm::dmat3& m) { return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2])); };
+    const double size = norm(toRays), inverse = norm(glm::inverse(toRays));
+    return size > 1e-8 && size * inverse < 1e6;
+}
+
 }  // namespace
 
 struct Tracer::Impl {
@@ -113,8 +121,11 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
         const Instance& instance = scene.instances[i];
         const Surface& surface = scene.surfaces[instance.surface];
         if (surface.triangles.empty()) continue;
-        if (uses[instance.surface] == 1) {
+        const auto attachPlaced = [&] {
             attach(impl.device, impl.top, i, surface, [&](const glm::vec3& p) { return impl.toRays(worldPosition(instance, p)); });
+        };
+        if (uses[instance.surface] == 1) {
+            attachPlaced();
             continue;
         }
         auto [place, isNew] = part.try_emplace(instance.surface);
@@ -124,16 +135,23 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
             double reach = 1e-300;
             for (const glm::vec3& p : surface.positions) reach = std::max(reach, glm::length(glm::dvec3(p) - glm::dvec3(shared.middle)));
             shared.scale = std::exp2(-std::ceil(std::log2(reach)));
+        }
+        glm::dmat4 toRays = glm::dmat4(instance.toWorld) * (impl.scale / shared.scale);
+        if (!isWellConditioned(glm::dmat3(toRays))) {
+            attachPlaced();
+            continue;
+        }
+        if (!shared.scene) {
             shared.scene = impl.newScene();
             impl.parts.push_back(shared.scene);
             attach(impl.device, shared.scene, 0, surface, [&](const glm::vec3& p) { return glm::vec3((glm::dvec3(p) - glm::dvec3(shared.middle)) * shared.scale); });
             impl.commit(shared.scene, progress);
         }
-        glm::mat4 toRays(glm::dmat4(instance.toWorld) * (impl.scale / shared.scale));
-        toRays[3] = glm::vec4(impl.toRays(worldPosition(instance, shared.middle)), 1);
+        toRays[3] = glm::dvec4(impl.toRays(worldPosition(instance, shared.middle)), 1);
+        const glm::mat4 transform(toRays);
         RTCGeometry geometry = rtcNewGeometry(impl.device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, shared.scene);
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &toRays[0][0]);
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &transform[0][0]);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(impl.top, geometry, i);
         rtcReleaseGeometry(geometry);

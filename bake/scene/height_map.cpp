@@ -23,6 +23,7 @@ namespace {
 constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
 constexpr float kHighest = 100e3f;  // metres; Olympus Mons rises 22 km
 constexpr double kMostTexelsAByte = 4096;  // four times what deflate makes of zeros
+constexpr double kBytesAVertex = 450;       // of a mesh of two triangles each: measured while baking
 constexpr int64_t kMostTexels = int64_t(1) << 26;  // 8192 squared; more would not fit into a .glb
 
 std::string oneLine(std::string cause) {
@@ -160,6 +161,7 @@ Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
     };
     const auto receive = [&](ParcelReader& in) {
         const std::vector<int> size = in.take<int>();
+        requireMemory(path, std::to_string(size.at(0)) + " x " + std::to_string(size.at(1)) + " texels", double(size.at(0)) * size.at(1) * kBytesAVertex);
         map = {size.at(0), size.at(1), in.take<float>()};
     };
     runIsolated(path, limitsFor(path), send, receive);

@@ -15,6 +15,8 @@ namespace apertura {
 namespace {
 
 const char* const kAttribute = "_VISIBILITY";
+// Of JSON that instances repeat: to start with, and for each byte of the file.
+constexpr double kFewValues = 0x1p20, kValuesAByte = 32;
 // Ways to make the four numbers, with nothing stored beside them.
 const char* const kFromFour[] = {"sh", "rays", "sh-fit", "transfer"};
 
@@ -116,6 +118,12 @@ void removeBaked(GltfWriter& writer) {
 // The primitive with the surface's own vertices and normals, where they are not as the file has them.
 void replaceGeometry(GltfWriter& writer, const GltfDocument& document, const Surface& surface, Json& primitive, std::set<size_t>& replaced) {
     if (!surface.splitFrom.empty()) {
+        // Without normals tangents mean nothing; with the new ones they would.
+        if (primitive["attributes"].contains("TANGENT")) {
+            replaced.insert(primitive["attributes"]["TANGENT"].get<size_t>());
+            primitive["attributes"].erase("TANGENT");
+        }
+        if (primitive.contains("extensions")) primitive["extensions"].erase("CESIUM_primitive_outline");  // of the old vertices
         auto gather = [&](Json& attributes) {
             for (Json& index : attributes) {
                 GatheredAccessor gathered = gatherAccessor(document, index.get<size_t>(), surface.splitFrom);
@@ -149,9 +157,17 @@ size_t addVisibility(GltfWriter& writer, const std::vector<Visibility>& points, 
                               bits == 16 ? bytesOf(packAll<Packed16>(points, rotation, pack16)) : bytesOf(packAll<Packed8>(points, rotation, pack8)), kArrayBuffer);
 }
 
-// Which mesh each node that the scene draws gets: nodes that share one see different skies, and nodes of other scenes
-// none. All but one of them take a copy of its primitives' lists.
-void separateMeshes(Json& json, const Scene& scene) {
+// Values in a piece of JSON: what a copy of it takes, about.
+double valuesIn(const Json& json) {
+    double sum = json.is_string() ? 1 + double(json.get_ref<const std::string&>().size()) / 16 : 1;
+    if (json.is_structured())
+        for (const Json& value : json) sum += valuesIn(value);
+    return sum;
+}
+
+// Nodes that share a mesh see different skies, and nodes that the scene does not draw see none: each node that it draws
+// gets a mesh of its own, a copy of the first one's JSON. Accessors stay shared.
+void separateMeshes(Json& json, const Scene& scene, const GltfDocument& document) {
     std::set<size_t> drawn;
     for (const Instance& instance : scene.instances) drawn.insert(size_t(instance.node));
     std::set<size_t> taken;  // meshes
@@ -159,9 +175,14 @@ void separateMeshes(Json& json, const Scene& scene) {
     for (size_t n = 0; n < nodes.size(); ++n)
         if (nodes[n].contains("mesh") && !drawn.contains(n)) taken.insert(nodes[n]["mesh"].get<size_t>());
     const Json original = json["meshes"];
+    std::map<size_t, double> sizes;
+    Budget copies(document, "the copies of meshes that its instances need", kFewValues, kValuesAByte);
     for (const size_t n : drawn) {
         const size_t mesh = nodes[n]["mesh"].get<size_t>();
         if (taken.insert(mesh).second) continue;
+        const auto [size, fresh] = sizes.try_emplace(mesh, 0);
+        if (fresh) size->second = valuesIn(original[mesh]);
+        copies.spend(size->second);
         nodes[n]["mesh"] = json["meshes"].size();
         json["meshes"].push_back(original[mesh]);
     }
@@ -230,7 +251,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
         removeBaked(writer);
     else
         addScene(writer, scene);
-    separateMeshes(json, scene);
+    separateMeshes(json, scene, document);
 
     const Model* stored = storedModel(info);
     Json forms = Json::array();
@@ -258,10 +279,13 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
         forms.push_back({{"mesh", mesh}, {"primitive", instance.primitive}, {"bufferView", writer.addView(std::move(copy))}});
     }
     Json& asset = json["asset"];
+    Json description = describe(info);
+    const Json& before = describedIn(json);
+    for (const char* key : {"mergedBuffers", "inputGenerator"})
+        if (before.is_object() && before.contains(key)) description[key] = before[key];
+    if (scene.document && asset.contains("generator") && !asset["generator"].dump().starts_with("\"Apertura ")) description["inputGenerator"] = asset["generator"];
     asset["generator"] = "Apertura " + info.version;
     if (asset.contains("extras") && !asset["extras"].is_object()) asset["extras"] = {{"input", asset["extras"]}};
-    Json description = describe(info);
-    if (const Json& before = describedIn(json); before.contains("mergedBuffers")) description["mergedBuffers"] = before["mergedBuffers"];
     if (stored) description["forms"] = forms;
     asset["extras"]["apertura"] = description;
     writer.release(replaced);

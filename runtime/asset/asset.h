@@ -54,7 +54,7 @@ void requireStorable(const BakeInfo& info, const std::string& name);
 // nothing refers to any more are left out. Throws Error naming `path`.
 void writeAsset(const std::string& path, const Scene& scene, const BakedVisibility& visibility, const BakeInfo& info);
 
-// Whether the file is a glTF that holds visibility. Throws Error where it cannot be read at all.
+// Whether the scene came from a glTF file that holds visibility.
 bool hasVisibility(const Scene& scene);
 
 // The visibility that `scene`, read from a glTF file, carries. Throws Error naming it where it has none.

@@ -18,6 +18,7 @@ namespace apertura {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr size_t kLargestFile = UINT32_MAX;  // bytes: what a .glb can hold
 constexpr size_t kLongestName = 255;  // bytes, on the file systems in use
 constexpr size_t kTagDigits = 8;
 constexpr char kMark[] = ".apertura-";  // before the digits
@@ -92,6 +93,7 @@ std::vector<unsigned char> readFile(const std::string& path, std::optional<size_
     Descriptor file(openOrdinary(path, about));
     const size_t size = size_t(about.st_size);
     if (length && size != *length) throw Error(path + ": " + std::to_string(size) + " bytes where " + std::to_string(*length) + " are said to be");
+    if (size > kLargestFile) throw Error(path + ": larger than 4 GiB");
     std::vector<unsigned char> out(size);
     for (size_t done = 0; done < size;) {
         const ssize_t n = read(file.get(), out.data() + done, size - done);
@@ -113,7 +115,7 @@ PendingFile::PendingFile(std::string path) : path_(std::move(path)) {
     std::error_code ignored;
     if (fs::is_directory(path_, ignored)) throw Error(path_ + ": is a folder");
     if (fs::exists(path_, ignored) && !fs::is_regular_file(path_, ignored)) throw Error(path_ + ": is not an ordinary file");
-    if (fs::is_symlink(path_, ignored) && fs::exists(path_, ignored)) target_ = fs::canonical(path_, ignored).string();
+    if (fs::is_symlink(path_, ignored)) target_ = fs::weakly_canonical(path_, ignored).string();
     if (target_.empty()) target_ = path_;
     const fs::path final(target_);
     auto refuse = [&](int cause) { return Error(path_ + ": cannot be written: " + std::strerror(cause)); };
@@ -126,6 +128,9 @@ PendingFile::PendingFile(std::string path) : path_(std::move(path)) {
         // Between its making and its lock another run may take it for a leftover and remove it: then once more. Some
         // file systems have no locks; leftovers stay there.
         if (file.get() >= 0 && lockAlone(file.get()) != Lock::Theirs) lock_ = file.release();
+        // What stands there keeps its permissions.
+        struct stat before {};
+        if (lock_ >= 0 && stat(target_.c_str(), &before) == 0) fchmod(lock_, before.st_mode & 07777);
     }
 }
 
@@ -142,12 +147,16 @@ void PendingFile::commit() {
     temporary_.clear();
 }
 
+void PendingFile::writeAll(std::string_view bytes) {
+    std::ofstream out(temporary_, std::ios::binary);
+    out << bytes;
+    out.close();
+    if (!out) throw Error(path_ + ": cannot be written: " + std::strerror(errno));
+}
+
 void writeTextFile(const std::string& path, const std::string& text) {
     PendingFile file(path);
-    std::ofstream out(file.name(), std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) throw Error(path + ": cannot be written: " + std::strerror(errno));
+    file.writeAll(text);
     file.commit();
 }
 

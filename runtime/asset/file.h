@@ -1,12 +1,13 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace apertura {
 
 // The whole of an ordinary file (links followed; no folder, pipe or device), or Error "PATH: cause" where it cannot be
-// read. Where its size is known to be `length`, a file of another is not read: Error.
+// read. One of another size than `length`, where that is given, or of more than 4 GiB is not read.
 std::vector<unsigned char> readFile(const std::string& path, std::optional<size_t> length = {});
 
 // Throws Error "PATH: cause" unless an ordinary file that is not empty can be read there.
@@ -25,6 +26,7 @@ public:
     PendingFile& operator=(const PendingFile&) = delete;
 
     const std::string& name() const { return temporary_; }  // where to write
+    void writeAll(std::string_view bytes);                   // all that it holds
     void commit();
 
 private:

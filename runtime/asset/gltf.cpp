@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <glm/gtc/constants.hpp>
 #include <glm/gtc/quaternion.hpp>
 
 #include "runtime/asset/file.h"
@@ -12,6 +13,10 @@ namespace apertura {
 namespace {
 
 constexpr int kDeepestNode = 1000;
+// Of positions and indices that are read, and of vertices that instances have: to start with, and for each byte.
+constexpr double kFewElements = 0x1p24, kElementsAByte = 256;
+constexpr double kFewVertices = 0x1p22, kVerticesAByte = 64;
+constexpr float kFarthestEye = 1e15f;  // metres
 // Of a normal's length from 1, as the Khronos validator has it: what is farther off is stored anew.
 constexpr float kUnitTolerance = 0.0067f;
 
@@ -79,9 +84,13 @@ Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
     if (mode < kTriangles || !attributes.contains("POSITION")) return surface;
     if (primitive.contains("material")) surface.twoSided = document.json["materials"][primitive["material"].get<size_t>()].value("doubleSided", false);
     surface.positions = readVectors(document, attributes["POSITION"].get<size_t>());
-    for (const auto& attribute : attributes.items())
-        if (accessorCount(document, attribute.value().get<size_t>()) != surface.positions.size())
-            throw Error(document.name + ": attribute " + attribute.key() + " does not have one element a vertex");
+    auto checkCounts = [&](const Json& each) {
+        for (const auto& attribute : each.items())
+            if (accessorCount(document, attribute.value().get<size_t>()) != surface.positions.size())
+                throw Error(document.name + ": attribute " + attribute.key() + " does not have one element a vertex");
+    };
+    checkCounts(attributes);
+    for (const Json& target : listOf(primitive, "targets")) checkCounts(target);
     std::vector<uint32_t> indices;
     if (primitive.contains("indices")) {
         indices = readIndices(document, primitive["indices"].get<size_t>());
@@ -107,7 +116,8 @@ class Walker {
 public:
     Walker(Scene& scene, const GltfDocument& document)
         : scene_(scene), document_(document), nodes_(listOf(document.json, "nodes")), open_(nodes_.size()), seen_(nodes_.size()),
-          first_(listOf(document.json, "meshes").size(), -1) {}
+          first_(listOf(document.json, "meshes").size(), -1), elements_(document, "its primitives", kFewElements, kElementsAByte),
+          vertices_(document, "its instances", kFewVertices, kVerticesAByte) {}
 
     void visit(size_t index, const glm::dmat4& parent, int depth = 0) {
         const auto& path = scene_.name;
@@ -130,14 +140,24 @@ private:
         if (first_[mesh] < 0) {
             first_[mesh] = int(scene_.surfaces.size());
             for (const Json& primitive : primitives) {
+                elements_.spend(elementsOf(primitive));
                 scene_.surfaces.push_back(readPrimitive(document_, primitive));
                 surfaceBytes_ += memoryOf(scene_.surfaces.back());
                 requireMemory(scene_.name, "its meshes", surfaceBytes_);
             }
         }
-        for (size_t p = 0; p < primitives.size(); ++p)
-            if (!scene_.surfaces[size_t(first_[mesh]) + p].triangles.empty())
-                scene_.instances.push_back({first_[mesh] + int(p), glm::mat4(world), int(node), int(p)});
+        for (size_t p = 0; p < primitives.size(); ++p) {
+            const Surface& surface = scene_.surfaces[size_t(first_[mesh]) + p];
+            vertices_.spend(double(surface.positions.size()));
+            if (!surface.triangles.empty()) scene_.instances.push_back({first_[mesh] + int(p), glm::mat4(world), int(node), int(p)});
+        }
+    }
+
+    double elementsOf(const Json& primitive) const {
+        double sum = 0;
+        if (primitive["attributes"].contains("POSITION")) sum += double(accessorCount(document_, primitive["attributes"]["POSITION"].get<size_t>()));
+        if (primitive.contains("indices")) sum += double(accessorCount(document_, primitive["indices"].get<size_t>()));
+        return sum;
     }
 
     void addCamera(const Json& camera, const glm::dmat4& world) {
@@ -145,8 +165,13 @@ private:
         const double fov = camera["perspective"].value("yfov", 0.0);
         const glm::dvec3 eye(world[3]), forward = -glm::dvec3(world[2]), up(world[1]);
         const double length = glm::length(forward), height = glm::length(up);
-        if (!(fov > 0 && length > 0 && height > 0) || !std::isfinite(length) || !std::isfinite(height)) return;
-        scene_.camera = Camera{glm::vec3(eye), glm::vec3(eye + forward / length), float(fov), glm::vec3(up / height)};
+        const double far = glm::length(eye);
+        if (!(fov > 0 && fov < glm::pi<double>() && length > 0 && height > 0 && far < kFarthestEye) || !std::isfinite(length) || !std::isfinite(height)) {
+            scene_.notes.push_back("its camera cannot be used");
+            return;
+        }
+        // As far away as floats tell its place from the eye's.
+        scene_.camera = Camera{glm::vec3(eye), glm::vec3(eye + std::max(1.0, far) * forward / length), float(fov), glm::vec3(up / height)};
     }
 
     Scene& scene_;
@@ -154,6 +179,7 @@ private:
     const Json& nodes_;
     std::vector<bool> open_, seen_;
     std::vector<int> first_;  // surface of each mesh, or -1
+    Budget elements_, vertices_;
     double surfaceBytes_ = 0;
 };
 

@@ -5,12 +5,18 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 
 #include "runtime/asset/gltf_document.h"
 #include "runtime/asset/scene.h"
 
 namespace apertura {
 namespace {
+
+// Of an accessor without a view: honest ones are of sparse values, some of which stand in the file.
+constexpr size_t kZerosAByte = 16, kFewZeros = 65536;
+// Of nodes that instances are spelled out as; each takes some of an accessor's bytes.
+constexpr double kFewInstances = 65536, kInstancesAByte = 1, kBytesAnInstance = 2000;
 
 // Elements as they lie in a buffer.
 struct Layout {
@@ -74,8 +80,10 @@ Elements elementsOf(const GltfDocument& document, size_t index) {
 }
 
 size_t bytesInBuffers(const GltfDocument& document) {
+    std::set<const Bytes*> distinct;
     size_t sum = 0;
-    for (const SharedBytes& buffer : document.buffers) sum += buffer->size();
+    for (const SharedBytes& buffer : document.buffers)
+        if (distinct.insert(buffer.get()).second) sum += buffer->size();
     return sum;
 }
 
@@ -83,8 +91,8 @@ size_t bytesInBuffers(const GltfDocument& document) {
 Bytes elementBytes(const GltfDocument& document, size_t index) {
     const Elements elements = elementsOf(document, index);
     const std::string where = document.name + ": accessor " + std::to_string(index);
-    // Elements in a buffer are there; zeros cost a file nothing.
-    if (!elements.dense && elements.count > 16 * bytesInBuffers(document) + 65536) throw Error(where + " has too many elements");
+    // Elements of a view are as many as its bytes allow; those without one are zeros, of which a file may claim any number.
+    if (!elements.dense && elements.count > kZerosAByte * bytesInBuffers(document) + kFewZeros) throw Error(where + " has too many elements");
     Bytes out(elements.count * elements.size);
     if (elements.dense)
         for (size_t i = 0; i < elements.count; ++i) std::memcpy(&out[i * elements.size], elements.dense->element(i), elements.size);
@@ -135,6 +143,26 @@ void eraseExtension(Json& holder, const char* name) {
 // The most bytes that a byte of EXT_meshopt_compression decodes to: vertices have two bits for a group of sixteen equal
 // bytes; triangles a byte for three indices; sequences a byte for one.
 size_t largestRatio(const std::string& mode) { return mode == "ATTRIBUTES" ? 64 : mode == "TRIANGLES" ? 12 : 4; }
+
+// One attribute of the instances: their transforms, or what is an application's own, which moves to their extras.
+void addInstanceValues(const GltfDocument& document, const std::string& attribute, size_t accessor, std::vector<Json>& children) {
+    static const std::map<std::string, std::pair<const char*, size_t>> transforms{{"TRANSLATION", {"translation", 3}}, {"ROTATION", {"rotation", 4}}, {"SCALE", {"scale", 3}}};
+    const auto found = transforms.find(attribute);
+    const bool transform = found != transforms.end();
+    const auto [rows, columns] = shapeOf(document.json["accessors"][accessor]);
+    if (!transform && columns != 1) return;
+    const size_t size = transform ? found->second.second : rows;
+    const std::vector<float> values = readAccessor(document, accessor, int(size));
+    if (transform && !std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); }))
+        throw Error(document.name + ": an instance's " + found->second.first + " is not finite");
+    for (size_t i = 0; i < children.size(); ++i) {
+        const Json own(std::vector<float>(values.begin() + ptrdiff_t(i * size), values.begin() + ptrdiff_t((i + 1) * size)));
+        if (transform)
+            children[i][found->second.first] = own;
+        else
+            children[i]["extras"][attribute] = size == 1 ? own[0] : own;
+    }
+}
 
 Bytes decodeView(const GltfDocument& document, const Json& packed, const std::string& where) {
     const Error broken(where + " is compressed, and damaged");
@@ -215,7 +243,10 @@ GatheredAccessor gatherAccessor(const GltfDocument& document, size_t index, std:
     for (const char* key : {"bufferView", "byteOffset", "sparse"}) out.members.erase(key);
     out.members["count"] = from.size();
     out.bytes.resize(from.size() * out.stride);
-    for (size_t i = 0; i < from.size(); ++i) std::memcpy(&out.bytes[i * out.stride], &given.at(from[i] * size), size);
+    for (size_t i = 0; i < from.size(); ++i) {
+        if (from[i] >= given.size() / size) throw Error(document.name + ": accessor " + std::to_string(index) + " does not have one element a vertex");
+        std::memcpy(&out.bytes[i * out.stride], &given[from[i] * size], size);
+    }
     if (!accessor.contains("min") && !accessor.contains("max")) return out;
     // Of the components as they are stored.
     const int type = accessor["componentType"].get<int>();
@@ -230,6 +261,18 @@ GatheredAccessor gatherAccessor(const GltfDocument& document, size_t index, std:
     for (const char* key : {"min", "max"}) out.members.erase(key);
     if (plain) out.members["min"] = low, out.members["max"] = high;
     return out;
+}
+
+void dropAlternatives(Json& json) {
+    const char *meshopt = "KHR_meshopt_compression", *draco = "KHR_draco_mesh_compression";
+    for (const char* key : {"buffers", "bufferViews"})
+        if (json.contains(key))
+            for (Json& entry : json[key]) eraseExtension(entry, meshopt);
+    if (json.contains("meshes"))
+        for (Json& mesh : json["meshes"])
+            if (mesh.contains("primitives"))
+                for (Json& primitive : mesh["primitives"]) eraseExtension(primitive, draco);
+    for (const char* name : {meshopt, draco}) forgetExtension(json, name);
 }
 
 void decodeMeshopt(GltfDocument& document) {
@@ -262,34 +305,36 @@ void expandInstancing(GltfDocument& document) {
     if (!document.json.contains("nodes")) return;
     Json& nodes = document.json["nodes"];
     const size_t given = nodes.size();
+    // How many a node stands for: as many as each of its attributes has.
+    auto attributesOf = [&](const Json& node) { return listOf(node, "extensions").contains(name) ? node["extensions"][name]["attributes"] : Json(); };
+    auto countOf = [&](const Json& attributes) {
+        std::optional<size_t> count;
+        for (const Json& accessor : attributes) {
+            const size_t here = accessorCount(document, accessor.get<size_t>());
+            if (count && here != *count) throw Error(document.name + ": instancing attributes differ in length");
+            count = here;
+        }
+        return count.value_or(0);
+    };
     // Counted before they are spelled out.
     size_t instances = 0;
-    auto attributesOf = [&](const Json& node) { return listOf(node, "extensions").contains(name) ? node["extensions"][name]["attributes"] : Json(); };
     for (const Json& node : nodes)
-        if (const Json attributes = attributesOf(node); !attributes.is_null() && !attributes.empty() && node.contains("mesh"))
-            instances += accessorCount(document, attributes.begin()->get<size_t>());
-    requireMemory(document.name, std::to_string(instances) + " instances", double(instances) * 2000);
+        if (node.contains("mesh")) instances += countOf(attributesOf(node));
+    requireMemory(document.name, std::to_string(instances) + " instances", double(instances) * kBytesAnInstance);
+    Budget(document, "its instances", kFewInstances, kInstancesAByte).spend(double(instances));
     for (size_t n = 0; n < given; ++n) {
         const Json attributes = attributesOf(nodes[n]);
         if (attributes.is_null()) continue;
         eraseExtension(nodes[n], name);
-        size_t count = 0;
-        for (const Json& accessor : attributes) {
-            const size_t here = accessorCount(document, accessor.get<size_t>());
-            if (count != 0 && here != count) throw Error(document.name + ": instancing attributes differ in length");
-            count = here;
-        }
         if (!nodes[n].contains("mesh")) continue;
-        std::vector<Json> children(count, {{"mesh", nodes[n]["mesh"]}});
-        const std::tuple<const char*, const char*, size_t> parts[] = {{"TRANSLATION", "translation", 3}, {"ROTATION", "rotation", 4}, {"SCALE", "scale", 3}};
-        for (const auto& [attribute, key, size] : parts) {
-            if (!attributes.contains(attribute)) continue;
-            const std::vector<float> values = readAccessor(document, attributes[attribute].get<size_t>(), int(size));
-            if (!std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); }))
-                throw Error(document.name + ": an instance's " + key + " is not finite");
-            for (size_t i = 0; i < count; ++i) children[i][key] = Json(std::vector<float>(&values[i * size], &values[i * size] + size));
-        }
-        nodes[n].erase("mesh");
+        const size_t count = countOf(attributes);
+        std::vector<Json> children(count, Json::object());
+        for (const char* key : {"mesh", "skin", "weights"})
+            if (nodes[n].contains(key)) {
+                for (Json& child : children) child[key] = nodes[n][key];
+                nodes[n].erase(key);
+            }
+        for (const auto& attribute : attributes.items()) addInstanceValues(document, attribute.key(), attribute.value().get<size_t>(), children);
         for (Json& child : children) {
             nodes[n]["children"].push_back(nodes.size());
             nodes.push_back(std::move(child));

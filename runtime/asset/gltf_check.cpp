@@ -85,6 +85,9 @@ private:
         whole(view, "byteLength", where, true);
         whole(view, "byteOffset", where);
         whole(view, "byteStride", where);
+        for (const auto& other : listOf(view, "extensions").items())
+            if (!other.key().ends_with("_meshopt_compression") && other.value().is_object() && other.value().contains("buffer"))
+                fail(where, "has the extension " + other.key() + ", which is not known and refers to bytes that would move");
         const Json* packed = extension(view, "EXT_meshopt_compression", where);
         if (!packed) return;
         requiredIndex(*packed, "buffer", "buffers", where + "'s compression");

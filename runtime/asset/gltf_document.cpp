@@ -47,6 +47,7 @@ Json parseJson(std::span<const unsigned char> text, const std::string& name) {
     } catch (const Json::exception& e) {
         std::string cause = e.what();  // [json.exception.parse_error.101] parse error at ...
         if (const size_t end = cause.find("] "); cause.starts_with("[") && end != std::string::npos) cause.erase(0, end + 2);
+        cause.resize(std::min({cause.size(), cause.find("; last read"), size_t(200)}));  // which may be most of the file
         throw Error(name + ": not a valid glTF file: " + cause);
     }
 }
@@ -56,11 +57,17 @@ class UriReader {
 public:
     UriReader(const std::string& name, const std::filesystem::path& folder) : name_(name), folder_(folder) {}
 
+    size_t fileBytes() const { return fileBytes_; }
+
     // Null where there is no such file.
     SharedBytes read(const std::string& uri, std::optional<size_t> length) {
-        const auto [found, fresh] = read_.try_emplace(uri);
+        const UriSource source = resolveUri(uri, folder_, name_);
+        const auto [found, fresh] = read_.try_emplace(source.file.empty() ? uri : source.file.string());
         if (fresh)
-            if (std::optional<Bytes> bytes = readUri(uri, folder_, length, name_)) found->second = std::make_shared<const Bytes>(std::move(*bytes));
+            if (std::optional<Bytes> bytes = readUri(source, length, name_)) {
+                fileBytes_ += bytes->size();
+                found->second = std::make_shared<const Bytes>(std::move(*bytes));
+            }
         const SharedBytes& bytes = found->second;
         if (bytes && length && bytes->size() != *length) throw Error(name_ + ": two buffers of one URI differ in length");
         return bytes;
@@ -69,7 +76,8 @@ public:
 private:
     const std::string& name_;
     const std::filesystem::path& folder_;
-    std::map<std::string, SharedBytes> read_;
+    std::map<std::string, SharedBytes> read_;  // by file, however its URI is spelt
+    size_t fileBytes_ = 0;
 };
 
 void readBuffers(GltfDocument& document, const GltfContainer& container, UriReader& reader) {
@@ -79,7 +87,7 @@ void readBuffers(GltfDocument& document, const GltfContainer& container, UriRead
         const Json& buffer = buffers[i];
         const std::string where = document.name + ": buffer " + std::to_string(i);
         const size_t length = buffer["byteLength"].get<size_t>();
-        // What stands here for readers that do not know the compression is not asked for, nor is there need for it.
+        // A stand-in of zeros for readers that do not know the compression: we do, and need none.
         if (listOf(buffer, "extensions").contains("EXT_meshopt_compression")) {
             document.buffers.push_back(none);
         } else if (buffer.contains("uri")) {
@@ -143,8 +151,19 @@ GltfContainer splitContainer(std::span<const unsigned char> bytes, const std::st
     if (next + 8 <= bytes.size() && wordAt(bytes, next + 4) == kBinaryChunk) {
         if (wordAt(bytes, next) > bytes.size() - next - 8) throw Error(name + ": truncated or damaged: its binary chunk reaches behind the file's end");
         out.binary = bytes.subspan(next + 8, wordAt(bytes, next));
+        out.hasMore = next + 8 + out.binary.size() + 8 <= bytes.size();
+    } else {
+        out.hasMore = next + 8 <= bytes.size();
     }
     return out;
+}
+
+Budget::Budget(const GltfDocument& document, const char* what, double base, double factor)
+    : name_(document.name), what_(what), left_(base + factor * double(document.fileBytes)) {}
+
+void Budget::spend(double amount) {
+    left_ -= amount;
+    if (left_ < 0) throw Error(name_ + ": refers to the same bytes so often that " + what_ + " are more than a file of its size can mean");
 }
 
 GltfDocument parseGltfDocument(std::span<const unsigned char> bytes, const std::string& name, const std::filesystem::path& folder) {
@@ -154,11 +173,14 @@ GltfDocument parseGltfDocument(std::span<const unsigned char> bytes, const std::
     document.json = parseJson(container.json, name);
     checkStructure(document.json, name);
     UriReader reader(name, folder);
+    dropAlternatives(document.json);
     readBuffers(document, container, reader);
     checkViews(document);
     decodeMeshopt(document);
     checkAccessors(document);
     readImages(document, reader);
+    document.fileBytes = bytes.size() + reader.fileBytes();
+    if (container.hasMore) document.notes.push_back("chunks of the .glb behind the binary one are left out");
     expandInstancing(document);
     return document;
 }

@@ -28,7 +28,21 @@ struct GltfDocument {
     std::vector<SharedBytes> buffers;  // one an entry of json["buffers"]
     std::vector<SharedBytes> images;   // one an entry of json["images"]; empty for those in a buffer view
     std::set<size_t> decodedViews;     // those that were compressed in the file
+    size_t fileBytes = 0;              // of the file and of what it refers to, each counted once
     std::vector<std::string> notes;    // what is amiss but can be worked with, a line each
+};
+
+// A file may refer to the same bytes many times, and then stands for more than it holds: honest ones up to some
+// hundred times (a forest of one tree), hostile ones a million times. Adds up what is spelled out and throws Error
+// naming the document where that is more than `base` and `factor` for each of its bytes.
+class Budget {
+public:
+    Budget(const GltfDocument& document, const char* what, double base, double factor);
+    void spend(double amount);
+
+private:
+    std::string name_, what_;
+    double left_;
 };
 
 // The numbers of JSON that glTF gives to component types and topologies.
@@ -72,15 +86,27 @@ GatheredAccessor gatherAccessor(const GltfDocument& document, size_t accessor, s
 struct GltfContainer {
     std::span<const unsigned char> json, binary;
     bool isBinary = false;
+    bool hasMore = false;  // chunks of other kinds follow
 };
 GltfContainer splitContainer(std::span<const unsigned char> bytes, const std::string& name);
 // Throws Error unless everything that is read of the JSON has the right type and every index is in range.
 void checkStructure(const Json& json, const std::string& name);
 // Throws Error unless accessors lie in their views.
 void checkAccessors(const GltfDocument& document);
-// The bytes of a data URI or of an ordinary file in `folder` or below; none where there is no file of that name. Throws
-// Error naming the URI where it leads anywhere else, or its bytes are not `length` of them.
-std::optional<Bytes> readUri(const std::string& uri, const std::filesystem::path& folder, std::optional<size_t> length, const std::string& name);
+// What a URI names: data that it holds itself, or an ordinary file in the document's folder or below.
+struct UriSource {
+    std::string uri;
+    std::filesystem::path file;  // canonical; empty where the URI is data, or there is no such file
+    bool isData() const { return uri.starts_with("data:"); }
+};
+// Throws Error naming the URI where it leads anywhere else.
+UriSource resolveUri(const std::string& uri, const std::filesystem::path& folder, const std::string& name);
+// Its bytes; nothing where there is no such file. Throws Error naming the URI where it cannot be read, or its bytes are
+// not `length` of them.
+std::optional<Bytes> readUri(const UriSource& source, std::optional<size_t> length, const std::string& name);
+// Takes away what says the same a second time, compressed by an extension that nobody has to know: Draco,
+// KHR_meshopt_compression.
+void dropAlternatives(Json& json);
 // Replaces each compressed view by a plain one with a buffer of its own.
 void decodeMeshopt(GltfDocument& document);
 // Spells instances out as child nodes: each sees a sky of its own.

@@ -59,44 +59,53 @@ std::string_view schemeOf(std::string_view uri) {
     return scheme ? uri.substr(0, end) : std::string_view();
 }
 
+// Data may be long: its beginning names it.
+Error refusal(const std::string& uri, const std::string& name, const std::string& cause) {
+    return Error(name + ": the URI '" + (uri.size() > 120 ? uri.substr(0, 100) + "..." : uri) + "' " + cause);
+}
+
 bool isWithin(const fs::path& file, const fs::path& folder) {
     return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
 }
 
 }  // namespace
 
-std::optional<Bytes> readUri(const std::string& uri, const fs::path& folder, std::optional<size_t> length, const std::string& name) {
-    // Data may be long: its beginning names it.
-    const std::string shown = uri.size() > 120 ? uri.substr(0, 100) + "..." : uri;
-    auto refuse = [&](const std::string& cause) { return Error(name + ": the URI '" + shown + "' " + cause); };
+UriSource resolveUri(const std::string& uri, const fs::path& folder, const std::string& name) {
+    if (uri.starts_with("data:")) return {uri, {}};
+    if (!schemeOf(uri).empty()) throw refusal(uri, name, "is not a file in the document's own folder");
+    const std::optional<std::string> decoded = decodePercent(uri);
+    if (!decoded || decoded->empty() || decoded->find('\0') != std::string::npos) throw refusal(uri, name, "is not a file's name");
+    if (fs::path(*decoded).is_absolute()) throw refusal(uri, name, "is not relative to the document's own folder");
+    // Decided by where the path leads, links followed: not by how it is spelt.
+    std::error_code error;
+    const fs::path home = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
+    if (error) throw refusal(uri, name, "cannot be looked for: " + error.message());
+    fs::path file = fs::canonical(home / *decoded, error);
+    const bool missing = bool(error);
+    if (missing) file = fs::weakly_canonical(home / *decoded, error);
+    if (error || !isWithin(file, home)) throw refusal(uri, name, "leads out of the document's own folder");
+    return {uri, missing ? fs::path() : file};
+}
+
+std::optional<Bytes> readUri(const UriSource& source, std::optional<size_t> length, const std::string& name) {
     Bytes bytes;
-    if (uri.starts_with("data:")) {
+    if (source.isData()) {
+        const std::string_view uri = source.uri;
         const size_t comma = uri.find(',');
-        if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
-            throw refuse("holds no base64 data");
-        std::optional<Bytes> decoded = decodeBase64(std::string_view(uri).substr(comma + 1));
-        if (!decoded) throw refuse("holds damaged base64 data");
+        if (comma == std::string::npos || !uri.substr(0, comma).ends_with(";base64")) throw refusal(source.uri, name, "holds no base64 data");
+        std::optional<Bytes> decoded = decodeBase64(uri.substr(comma + 1));
+        if (!decoded) throw refusal(source.uri, name, "holds damaged base64 data");
         bytes = std::move(*decoded);
     } else {
-        if (!schemeOf(uri).empty()) throw refuse("is not a file in the document's own folder");
-        const std::optional<std::string> decoded = decodePercent(uri);
-        if (!decoded || decoded->empty() || decoded->find('\0') != std::string::npos) throw refuse("is not a file's name");
-        if (fs::path(*decoded).is_absolute()) throw refuse("is not relative to the document's own folder");
-        // Decided by where the path leads, links followed: not by how it is spelt.
-        std::error_code error;
-        const fs::path home = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
-        if (error) throw refuse("cannot be looked for: " + error.message());
-        const fs::path target = fs::weakly_canonical(home / *decoded, error);
-        if (error || !isWithin(target, home)) throw refuse("leads out of the document's own folder");
-        if (fs::status(target, error).type() == fs::file_type::not_found) return {};
+        if (source.file.empty()) return {};
         try {
-            bytes = readFile(target.string(), length);
+            bytes = readFile(source.file.string(), length);
         } catch (const Error& e) {
-            throw refuse("cannot be read: " + std::string(e.what()).substr(target.string().size() + 2));
+            throw refusal(source.uri, name, "cannot be read: " + std::string(e.what()).substr(source.file.string().size() + 2));
         }
     }
     if (length && bytes.size() != *length)
-        throw refuse("holds " + std::to_string(bytes.size()) + " bytes where the document says " + std::to_string(*length));
+        throw refusal(source.uri, name, "holds " + std::to_string(bytes.size()) + " bytes where the document says " + std::to_string(*length));
     return bytes;
 }
 

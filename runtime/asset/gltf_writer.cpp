@@ -13,32 +13,33 @@ namespace {
 
 constexpr size_t kAlignment = 16;  // of what a buffer held, kept
 
-using Visit = std::function<void(Json& index)>;
+using Visit = std::function<void(Json&)>;  // of an index, or of what holds some
 
 void visitMember(Json& holder, const char* key, const Visit& visit) {
     if (const auto found = holder.find(key); found != holder.end()) visit(*found);
 }
 
-Json& member(Json& holder, const char* key) {
-    static Json none = Json::array();
-    const auto found = holder.find(key);
-    return found == holder.end() ? none = Json::array() : *found;
+void visitEach(Json& holder, const char* key, const Visit& visit) {
+    if (holder.contains(key))
+        for (Json& element : holder[key]) visit(element);
 }
 
 void visitAccessors(Json& json, const Visit& visit) {
-    for (Json& mesh : member(json, "meshes"))
-        for (Json& primitive : member(mesh, "primitives")) {
-            for (Json& index : primitive["attributes"]) visit(index);
+    visitEach(json, "meshes", [&](Json& mesh) {
+        visitEach(mesh, "primitives", [&](Json& primitive) {
+            visitEach(primitive, "attributes", visit);
             visitMember(primitive, "indices", visit);
-            if (primitive.contains("targets"))
-                for (Json& target : primitive["targets"])
-                    for (Json& index : target) visit(index);
-        }
-    for (Json& skin : member(json, "skins")) visitMember(skin, "inverseBindMatrices", visit);
-    for (Json& animation : member(json, "animations"))
-        if (animation.contains("samplers"))
-            for (Json& sampler : animation["samplers"])
-                for (const char* key : {"input", "output"}) visitMember(sampler, key, visit);
+            visitEach(primitive, "targets", [&](Json& target) {
+                for (Json& index : target) visit(index);
+            });
+        });
+    });
+    visitEach(json, "skins", [&](Json& skin) { visitMember(skin, "inverseBindMatrices", visit); });
+    visitEach(json, "animations", [&](Json& animation) {
+        visitEach(animation, "samplers", [&](Json& sampler) {
+            for (const char* key : {"input", "output"}) visitMember(sampler, key, visit);
+        });
+    });
 }
 
 // Those of accessors that `except` names are passed over.
@@ -67,10 +68,9 @@ std::set<size_t> unused(std::set<size_t> candidates, const std::function<void(co
 // Takes elements out of an array of the document and counts the indices that lie behind them down.
 void removeElements(Json& list, const std::set<size_t>& indices, const std::function<void(const Visit&)>& visitAll) {
     if (indices.empty()) return;
-    visitAll([&](Json& index) {
-        const size_t old = index.get<size_t>();
-        index = old - size_t(std::distance(indices.begin(), indices.lower_bound(old)));
-    });
+    std::vector<size_t> place(list.size());  // of each that stays
+    for (size_t i = 0, next = 0; i < place.size(); ++i) place[i] = indices.contains(i) ? next : next++;
+    visitAll([&](Json& index) { index = place[index.get<size_t>()]; });
     Json kept = Json::array();
     for (size_t i = 0; i < list.size(); ++i)
         if (!indices.contains(i)) kept.push_back(std::move(list[i]));
@@ -88,13 +88,17 @@ bool onlyKnownExtensions(const Json& json) {
     return true;
 }
 
-// By the first bytes of the file, as each format's specification has them.
-std::string mimeTypeOf(const Bytes& bytes) {
+// As a data URI says it, or by the first bytes of the file, as each format's specification has them; else empty.
+std::string mimeTypeOf(const std::string& uri, const Bytes& bytes) {
+    if (uri.starts_with("data:image/")) return uri.substr(5, uri.find_first_of(";,") - 5);
     const std::string head(bytes.begin(), bytes.begin() + ptrdiff_t(std::min<size_t>(bytes.size(), 12)));
+    if (head.starts_with("\x89PNG")) return "image/png";
     if (head.starts_with("\xFF\xD8")) return "image/jpeg";
     if (head.starts_with("\xABKTX 20")) return "image/ktx2";
     if (head.starts_with("RIFF") && head.substr(8) == "WEBP") return "image/webp";
-    return "image/png";
+    if (head.starts_with("DDS ")) return "image/vnd-ms.dds";
+    if (head.size() == 12 && head.substr(4) == "ftypavif") return "image/avif";
+    return {};
 }
 
 void putWord(std::string& out, size_t value) {
@@ -106,11 +110,15 @@ void putWord(std::string& out, size_t value) {
 GltfWriter::GltfWriter(const GltfDocument& document) : json_(document.json), buffers_(document.buffers), images_(document.images) {}
 
 size_t GltfWriter::addView(Bytes bytes, GltfTarget target, size_t stride) {
-    Json view{{"buffer", buffers_.size()}, {"byteLength", bytes.size()}};
+    return addView(std::make_shared<const Bytes>(std::move(bytes)), target, stride);
+}
+
+size_t GltfWriter::addView(SharedBytes bytes, GltfTarget target, size_t stride) {
+    Json view{{"buffer", buffers_.size()}, {"byteLength", bytes->size()}};
     if (target != kNoTarget) view["target"] = int(target);
     if (stride) view["byteStride"] = stride;
-    json_["buffers"].push_back({{"byteLength", bytes.size()}});
-    buffers_.push_back(std::make_shared<const Bytes>(std::move(bytes)));
+    json_["buffers"].push_back({{"byteLength", bytes->size()}});
+    buffers_.push_back(std::move(bytes));
     if (freeViews_.empty()) {
         json_["bufferViews"].push_back(std::move(view));
         return json_["bufferViews"].size() - 1;
@@ -143,8 +151,8 @@ void GltfWriter::release(const std::set<size_t>& accessors, const std::set<size_
             for (const char* key : {"indices", "values"}) held.insert(entry["sparse"][key]["bufferView"].get<size_t>());
     }
     freeAccessors_.insert(gone.begin(), gone.end());
-    const std::set<size_t> views_ = unused(held, [&](const Visit& visit) { visitViews(json_, freeAccessors_, visit); });
-    freeViews_.insert(views_.begin(), views_.end());
+    const std::set<size_t> emptied = unused(held, [&](const Visit& visit) { visitViews(json_, freeAccessors_, visit); });
+    freeViews_.insert(emptied.begin(), emptied.end());
 }
 
 void GltfWriter::removeReleased() {
@@ -168,9 +176,13 @@ void GltfWriter::embedImages() {
     for (size_t i = 0; i < images_.size(); ++i) {
         Json& image = json_["images"][i];
         if (images_[i]->empty()) continue;
+        if (!image.contains("mimeType")) {
+            const std::string type = mimeTypeOf(image["uri"].get_ref<const std::string&>(), *images_[i]);
+            if (type.empty()) continue;  // nobody could read it from the file: it stays a reference
+            image["mimeType"] = type;
+        }
         const auto [view, fresh] = views.try_emplace(images_[i].get());
-        if (fresh) view->second = addView(*images_[i]);
-        if (!image.contains("mimeType")) image["mimeType"] = mimeTypeOf(*images_[i]);
+        if (fresh) view->second = addView(images_[i]);
         image["bufferView"] = view->second;
         image.erase("uri");
     }
@@ -230,7 +242,7 @@ std::vector<std::span<const unsigned char>> GltfWriter::packBuffers() {
         for (const char* key : {"uri", "byteLength"}) rest.erase(key);
         if (!rest.empty()) others.push_back({{"buffer", i}, {"content", rest}});
     }
-    if (!others.empty()) json_["asset"]["extras"]["apertura"]["mergedBuffers"] = others;
+    for (Json& other : others) json_["asset"]["extras"]["apertura"]["mergedBuffers"].push_back(std::move(other));
     json_["buffers"] = Json::array({merged});
     return runs;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Adds to a glTF document and writes it as .glb. What stood in it stays as it was, to the letter of its JSON; bytes that
-// nothing refers to any more are left out.
+// Adds to a glTF document and writes it as .glb. What stood in its JSON stays, value by value; bytes that nothing refers
+// to any more are left out.
 #include <string>
 
 #include "runtime/asset/gltf_document.h"
@@ -13,6 +13,7 @@ public:
 
     Json& json() { return json_; }
     // Adds bytes as a buffer view, an array of glTF's numbers as an accessor; returns its index.
+    size_t addView(SharedBytes bytes, GltfTarget target = kNoTarget, size_t stride = 0);
     size_t addView(Bytes bytes, GltfTarget target = kNoTarget, size_t stride = 0);
     size_t addAccessor(Json members, Bytes bytes, GltfTarget target, size_t stride = 0);
 

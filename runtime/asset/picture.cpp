@@ -1,5 +1,6 @@
 #include "runtime/asset/picture.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -36,11 +37,13 @@ void writePicture(const std::string& path, const Picture& picture) {
     const bool linear = ending == ".exr";
     if (!linear && ending != ".png") throw Error(path + ": pictures are .png or .exr");
     PendingFile file(path);
-    auto out = OIIO::ImageOutput::create(file.name());
+    auto out = OIIO::ImageOutput::create(ending.substr(1));
     if (!out) throw Error(path + ": cannot be written: " + OIIO::geterror());
     OIIO::ImageSpec spec(picture.width, picture.height, 3, linear ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", linear ? "Linear" : "sRGB");
-    bool written = out->open(file.name(), spec);
+    // Into memory first: the library does not say where a disk has no room for the last bytes.
+    OIIO::Filesystem::IOVecOutput encoded;
+    bool written = out->set_ioproxy(&encoded) && out->open(file.name(), spec);
     if (linear) {
         written = written && out->write_image(OIIO::TypeDesc::FLOAT, picture.pixels.data());
     } else {
@@ -51,6 +54,8 @@ void writePicture(const std::string& path, const Picture& picture) {
     }
     written = out->close() && written;
     if (!written) throw Error(path + ": cannot be written: " + out->geterror());
+    const auto& bytes = encoded.buffer();
+    file.writeAll({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     file.commit();
 }
 

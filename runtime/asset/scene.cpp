@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
-#include <tuple>
+#include <unordered_map>
 
 #include "runtime/asset/error.h"
 
@@ -15,7 +14,8 @@ namespace {
 
 constexpr float kFarthest = 1e15f;  // metres; beyond, squares of lengths leave float32
 constexpr double kPlaneSteps = 4096;          // of a normal's components: planes nearer than that are one
-constexpr double kBytesABakedVertex = 150;    // point, samples, the four numbers and a model's parameters
+// While baking, measured: the point, the four numbers and a model's parameters; and in the tracer.
+constexpr double kBytesAVertex = 150, kBytesATriangle = 150;
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -105,15 +105,20 @@ void makeNormals(Surface& surface) {
 
 void makeFlat(Surface& surface) {
     // Triangles at a vertex whose normals round to the same lie in one plane.
-    using Key = std::tuple<uint32_t, long, long, long>;
-    std::map<Key, uint32_t> parts;
+    struct Part {
+        uint32_t vertex;
+        int16_t x, y, z;
+        bool operator==(const Part&) const = default;
+    };
+    const auto hash = [](const Part& p) { return size_t((((p.vertex * 31ull + uint16_t(p.x)) * 0x9E3779B97F4A7C15ull + uint16_t(p.y)) * 31 + uint16_t(p.z)) * 0x9E3779B97F4A7C15ull >> 8); };
+    std::unordered_map<Part, uint32_t, decltype(hash)> parts(surface.positions.size(), hash);
     const std::vector<glm::vec3> given = std::move(surface.positions);
     std::vector<uint32_t> any(given.size(), UINT32_MAX);
     surface.positions.clear();
     surface.normals.clear();
     surface.splitFrom.clear();
     auto split = [&](uint32_t from, const glm::dvec3& normal) {
-        const auto round = [](double x) { return std::lround(x * kPlaneSteps); };
+        const auto round = [](double x) { return int16_t(std::lround(x * kPlaneSteps)); };
         const auto [part, fresh] = parts.try_emplace({from, round(normal.x), round(normal.y), round(normal.z)}, uint32_t(surface.positions.size()));
         if (fresh) {
             surface.positions.push_back(given[from]);
@@ -153,7 +158,9 @@ void validate(const Scene& scene) {
     if (triangleCount(scene) == 0) throw Error(scene.name + ": no triangles");
     double vertices = 0;
     for (const Instance& instance : scene.instances) vertices += double(scene.surfaces[size_t(instance.surface)].positions.size());
-    requireMemory(scene.name, "the vertices of its " + std::to_string(scene.instances.size()) + " instances", vertices * kBytesABakedVertex);
+    double triangles = 0;
+    for (const Surface& surface : scene.surfaces) triangles += double(surface.triangles.size());
+    requireMemory(scene.name, "its " + std::to_string(scene.instances.size()) + " instances", vertices * kBytesAVertex + triangles * kBytesATriangle);
     for (const Surface& surface : scene.surfaces) {
         for (const glm::vec3& p : surface.positions)
             if (!finite(p)) throw Error(scene.name + ": a vertex position is not a finite number");
