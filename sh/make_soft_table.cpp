@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
         const double least = soft_grid::kLeastArea;
         const double u = double(i) / (soft_grid::kAreas - 1);
         const double x = std::clamp(u * u / (u * u + (1 - u) * (1 - u)), least, 1 - least);
-        const double area = 2 * pi * x, haze = softLinkInverse(x);
+        const double area = 2 * pi * x, haze = softStepInverse(x);
         const HardBoundary boundary(area);
         for (int j = 0; j < soft_grid::kPsis; ++j) {
             const double p = 1 - 2.0 * j / (soft_grid::kPsis - 1), psi = std::atan2(1 - std::abs(p), p);

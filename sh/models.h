@@ -1,6 +1,6 @@
 #pragma once
 // The visibility models: what each is called, what it stores, and what it makes of that at load. Its formula
-// stands in shaders/models.glsl, or what that includes, its number in shaders/receiver.glsl; how it is fitted to rays in bake/fit.cpp.
+// stands in shaders/models.glsl, or what that includes, its number in shaders/receiver.glsl; how it is fitted to rays in bake/fit/fit.cpp.
 #include <algorithm>
 #include <array>
 #include <span>
@@ -12,13 +12,13 @@
 namespace apertura {
 
 // One point in the form that a model's formula reads.
-using Form = std::array<vec4, MAX_SLOTS>;
+using ModelParams = std::array<vec4, MAX_SLOTS>;
 
-// What stands in a slot of a form, and how it travels: as that many numbers of -1..1.
+// What stands in a slot of the parameters, and how it travels: as that many numbers of -1..1.
 enum class Field {
     Cap,       // axis, height: 3 numbers, the axis octahedral and the radius / pi
     Lobe,      // slope, offset: 4, the slope's axis, its length and the edge
-    FirmLobe,  // the same with a length of kFirmness: 3
+    HardLobe,  // the same with a length of kHardSharpness: 3
     Bend,      // 5, of a slot and the next: SoftQuadric's
     Heights,   // 16 sines of elevation, in four slots
     Bands2,    // 5 SH coefficients of band 2, in two slots
@@ -26,21 +26,21 @@ enum class Field {
 };
 
 // Sharpness of the lobes that store none.
-constexpr float kFirmness = 60;
+constexpr float kHardSharpness = 60;
 
 struct Model {
     int id;                  // MODEL_..., the shader's specialisation constant
     std::string_view name;   // on the command line
     int numbers;             // a point, that the light's formula reads
-    int slots;               // of its form
-    bool mixes;              // forms may be interpolated; otherwise the light of three corners is
+    int slots;               // of its parameters
+    bool mixes;              // parameters may be interpolated; otherwise the light of three corners is
     bool baseline;           // a rival, or as published: kept as it is where it fails
     std::string_view what;   // for people
-    // The form, from the four numbers; nothing where the model is stored instead.
-    Form (*fromVisibility)(const Visibility&, const vec3& normal);
+    // The parameters, from the four numbers; nothing where the model is stored instead.
+    ModelParams (*fromVisibility)(const Visibility&, const vec3& normal);
     std::array<Field, 4> stored;  // the first slots in turn, where the model is stored
     int storedFields;
-    int inverseSlot;         // whose x is the flag of an inverse product, and of lobes w the pairs (see lobesTogether); -1:
+    int combineSlot;         // whose x is the flag of an inverse product, and of lobes w the pairs (see combineLobes); -1:
                              // none. They travel as signs
 };
 
@@ -50,40 +50,40 @@ std::span<const Model> models();
 // nullptr where there is none of that name.
 const Model* findModel(std::string_view name);
 
-// The model that a stored form is of: `model` itself, or the choice of MODEL_AUTO, which stands in [4].y.
-inline int chosenModel(int model, const Form& form) {
+// The model that stored parameters are of: `model` itself, or the choice of MODEL_AUTO, which stands in [4].y.
+inline int chosenModel(int model, const ModelParams& params) {
     if (model != MODEL_AUTO) return model;
-    return std::clamp(int(form[4].y + 0.5f), 0, MODEL_COUNT - 1);
+    return std::clamp(int(params[4].y + 0.5f), 0, MODEL_COUNT - 1);
 }
 
 // Numbers in -1..1 that one point of the model stores beside its Visibility; 0 for those made from it.
 // MODEL_AUTO has no size of its own: it stores the chosen model's.
 int storedNumbers(const Model& model);
 
-// A form as numbers of -1..1 and back; `numbers` has storedNumbers(model) elements. Total over all values.
-void packForm(const Model& model, const Form& form, std::span<float> numbers);
-Form unpackForm(const Model& model, std::span<const float> numbers);
+// Parameters as numbers of -1..1 and back; `numbers` has storedNumbers(model) elements. Total over all values.
+void packParams(const Model& model, const ModelParams& params, std::span<float> numbers);
+ModelParams unpackParams(const Model& model, std::span<const float> numbers);
 
-// The form turned by `rotation` (orthogonal): from an instance's frame to the world or back.
-Form rotateForm(const Model& model, Form form, const mat3& rotation);
+// The parameters turned by `rotation` (orthogonal): from an instance's frame to the world or back.
+ModelParams rotateParams(const Model& model, ModelParams params, const mat3& rotation);
 
-// The form that the shader reads: as it was stored, or made from the four numbers where `stored` is null or
+// The parameters that the shader reads: as they were stored, or made from the four numbers where `stored` is null or
 // the choice of MODEL_AUTO stores nothing. `normal` of any length; of none it is +Y.
-Form toForm(const Model& model, const Visibility& visibility, const Form* stored, const vec3& normal);
+ModelParams toParams(const Model& model, const Visibility& visibility, const ModelParams* stored, const vec3& normal);
 
-inline Receiver toReceiver(const Visibility& v, const Form& form, const vec3& normal) {
+inline Receiver toReceiver(const Visibility& v, const ModelParams& params, const vec3& normal) {
     Receiver receiver{normal, vec4(v.direction, v.area), {}};
-    for (int i = 0; i < MAX_SLOTS; ++i) receiver.form[i] = form[i];
+    for (int i = 0; i < MAX_SLOTS; ++i) receiver.params[i] = params[i];
     return receiver;
 }
 
 // The receiver of a model that is made from the four numbers.
 inline Receiver toReceiver(const Model& model, const Visibility& v, const vec3& normal) {
-    return toReceiver(v, toForm(model, v, nullptr, normal), normal);
+    return toReceiver(v, toParams(model, v, nullptr, normal), normal);
 }
 
 // The formulas to use for lights up to this radius, as sin(radius): LIGHTS_...
-inline int lightsOf(float sinRadius) {
+inline int lightClassOf(float sinRadius) {
     return sinRadius <= 0.0105f ? LIGHTS_SUN : sinRadius <= 0.0524f ? LIGHTS_SMALL : sinRadius <= 0.1737f ? LIGHTS_MEDIUM : LIGHTS_ANY;
 }
 

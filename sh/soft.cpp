@@ -68,7 +68,7 @@ SoftAperture toSoft(const Visibility& any, const vec3& normal) {
     }
     const float variance = x * (1 - x);
     const float slope = sharpness * rho / std::sqrt((1 - rho) * variance);
-    // softLinkInverse(x)^2 + 1, in closed form
+    // softStepInverse(x)^2 + 1, in closed form
     const float haze = 1 / (4 * variance);
     // The direction (above, t), turned by the lean.
     const float scale = slope / (std::max(distance, 1e-20f) * (1 + lean * lean));

@@ -12,7 +12,7 @@ constexpr float kReach = 0.96f;
 // The share of the hemisphere that counts as closed, and its complement as open.
 constexpr float kLeastArea = 4e-5f;
 
-// At each node, scaled so that neighbours differ little (L0 = softLinkInverse(x)):
+// At each node, scaled so that neighbours differ little (L0 = softStepInverse(x)):
 struct Node {
     float sharpness;  // |slope| sqrt(1 - rho) sqrt(x (1 - x)) / rho
     float lean;       // tan of half the angle from (n, t) to the slope

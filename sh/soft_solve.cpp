@@ -82,7 +82,7 @@ Moments moments(double offset, const dvec2& b) {
     Moments m;
     overHemisphere(tilt, breaks, [&](double weight, double c, double s, double reach) {
         const double f = offset + sharp * c, root = std::sqrt(1 + f * f);
-        const double v = softLink(f), dv = 0.5 / (root * root * root);
+        const double v = softStepExact(f), dv = 0.5 / (root * root * root);
         const double m0 = 2 * reach, mb = c * m0, me = s * 2 * std::sin(reach);
         const double mbb = c * mb, mbe = c * me;
         const double mee = s * s * (reach + std::sin(reach) * std::cos(reach));
@@ -100,9 +100,9 @@ Moments moments(double offset, const dvec2& b) {
 
 }  // namespace
 
-double softLink(double f) { return 0.5 + 0.5 * f / std::sqrt(1 + f * f); }
+double softStepExact(double f) { return 0.5 + 0.5 * f / std::sqrt(1 + f * f); }
 
-double softLinkInverse(double v) {
+double softStepInverse(double v) {
     const double g = 2 * v - 1;
     return g / std::sqrt(std::max(1 - g * g, 1e-300));
 }
@@ -110,7 +110,7 @@ double softLinkInverse(double v) {
 SoftSolution solveSoft(const SoftProblem& problem) {
     const dvec3 target(problem.area, problem.n, problem.t);
     const double mirror = target.z < 0 ? -1 : 1;
-    dvec3 x(softLinkInverse(problem.area / (2 * kPi)), 0, 0);
+    dvec3 x(softStepInverse(problem.area / (2 * kPi)), 0, 0);
     const dvec3 wanted(target.x, target.y, target.z * mirror);
     Moments now = moments(x.x, dvec2(x.y, x.z));
     for (int iteration = 0; iteration < 200; ++iteration) {

@@ -15,9 +15,9 @@ struct SoftSolution {
     double offset;
 };
 
-// link(f) = 1/2 + f / (2 sqrt(1 + f^2)) and its inverse on (0, 1).
-double softLink(double f);
-double softLinkInverse(double v);
+// softStep(f) = 1/2 + f / (2 sqrt(1 + f^2)) and its inverse on (0, 1).
+double softStepExact(double f);
+double softStepInverse(double v);
 
 // The (offset, slope) whose visibility has the integrals of `problem` over the hemisphere about the
 // normal. The problem is convex, so damped Newton steps always find its one solution; relative residual

@@ -82,7 +82,7 @@ APERTURA_FN float horizonCosine(float z, float rim, float rimSlope) {
 }
 
 // E of an unblocked cap light on a surface with `normal`.
-APERTURA_FN float lightAboveHorizon(vec3 normal, CapLight light) {
+APERTURA_FN float irradianceAboveHorizon(vec3 normal, CapLight light) {
     return light.area * horizonCosine(dot(normal, light.axis), light.rim, light.rimSlope);
 }
 
@@ -93,10 +93,10 @@ const int LIGHTS_MEDIUM = 1;  // up to 10 degrees: what the horizon leaves of a 
 const int LIGHTS_SMALL = 2;   // up to 3 degrees: a flat disc, and a horizon that cuts at its centre
 const int LIGHTS_SUN = 3;     // up to 0.6 degrees: edges of lobes are softer than the light is wide
 
-// E of an unblocked cap light, by the cheapest formula that is right for its size.
-APERTURA_FN float lightOnSurface(vec3 normal, CapLight light, int size) {
-    if (size >= LIGHTS_SMALL) return light.area * max(dot(normal, light.axis), 0.0f);
-    return lightAboveHorizon(normal, light);
+// E of an unblocked cap light, by the cheapest formula that is right for its class.
+APERTURA_FN float unoccludedIrradiance(vec3 normal, CapLight light, int lightClass) {
+    if (lightClass >= LIGHTS_SMALL) return light.area * max(dot(normal, light.axis), 0.0f);
+    return irradianceAboveHorizon(normal, light);
 }
 
 #endif

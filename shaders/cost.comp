@@ -6,11 +6,11 @@
 // What a model costs: one receiver an invocation from a buffer that holds nothing more than the model reads,
 // one light in a uniform buffer. Compiled, and timed, for every model alike; nothing here is left out of it.
 layout(constant_id = 0) const int model = MODEL_SOFT;
-layout(constant_id = 1) const int size = LIGHTS_ANY;
+layout(constant_id = 1) const int lightClass = LIGHTS_ANY;
 layout(constant_id = 2) const uint slots = 1;
 layout(constant_id = 3) const bool sky = false;  // with the irradiance from the sky
 layout(local_size_x = 64) in;
-layout(std430, set = 0, binding = 0) readonly buffer Points { vec4 points[]; };  // normal, visibility, form
+layout(std430, set = 0, binding = 0) readonly buffer Points { vec4 points[]; };  // normal, visibility, parameters
 layout(std430, set = 0, binding = 1) writeonly buffer Results { float results[]; };
 layout(set = 0, binding = 2) uniform LightBlock { Light light; };
 
@@ -20,8 +20,8 @@ void main() {
     Receiver receiver;
     receiver.normal = points[first].xyz;
     receiver.visibility = points[first + 1];
-    for (uint k = 0; k < slots; ++k) receiver.form[k] = points[first + 2 + k];
-    float e = lightThrough(model, receiver, light.cap, size);
-    if (sky) e += max(skyThrough(model, receiver) - e, 0.0);
+    for (uint k = 0; k < slots; ++k) receiver.params[k] = points[first + 2 + k];
+    float e = irradianceThrough(model, receiver, light.cap, lightClass);
+    if (sky) e += max(skyIrradiance(model, receiver) - e, 0.0);
     results[i] = e;
 }

@@ -13,12 +13,12 @@ APERTURA_FN float covariance(float product, float alongA, float alongB, CapLight
 // 0 they cross, -1 they face each other. After 2 / pi asin(c), the law of two normal variables of correlation c at
 // their medians (Sheppard, "On the application of the theory of error to cases of normal distribution and normal
 // correlation", 1899), above it by up to 0.13 where the edges nearly agree: a disc has no tails.
-APERTURA_FN float edgeShare(float correlation) {
+APERTURA_FN float edgeAlignment(float correlation) {
     float c = clamp(correlation, -1.0f, 1.0f);
     return c * (0.64f + 0.36f * c * c);
 }
 
-// The mean of a product of two from their means p and q, 0..1, and their edgeShare w: of one edge it is the less of the
+// The mean of a product of two from their means p and q, 0..1, and their edgeAlignment w: of one edge it is the less of the
 // two, and of edges that face each other what both exceed 1 by.
 APERTURA_FN float meanOfTwo(float p, float q, float w) {
     return p * q + abs(w) * ((w > 0.0f ? min(p, q) : max(p + q - 1.0f, 0.0f)) - p * q);
@@ -51,7 +51,7 @@ struct MeanProducts {
 // four the rest of `p` is 1.
 APERTURA_FN MeanProducts plainProducts(vec4 p) { return MeanProducts(vec2(p.x * p.y, p.z * p.w), p.z * p.w, p.x * p.y * p.z * p.w); }
 
-// Of `count` factors by their edgeShares: w1 of 01; w2 of 02, 12; w3 of 03, 13, 23.
+// Of `count` factors by their edgeAlignments: w1 of 01; w2 of 02, 12; w3 of 03, 13, 23.
 APERTURA_FN MeanProducts meanProducts(int count, vec4 p, float w1, vec2 w2, vec3 w3) {
     MeanProducts m;
     m.pair = vec2(meanOfTwo(p.x, p.y, w1), p.z);

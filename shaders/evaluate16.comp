@@ -23,7 +23,7 @@
 #include "evaluate.glsl"
 
 layout(constant_id = 0) const int model = MODEL_SOFT;
-layout(constant_id = 1) const int size = LIGHTS_ANY;
+layout(constant_id = 1) const int lightClass = LIGHTS_ANY;
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) readonly buffer Inputs { Evaluation inputs[]; };
 layout(std430, set = 0, binding = 1) writeonly buffer Outputs { vec2 results[]; };  // light, sky
@@ -37,10 +37,10 @@ void main() {
     Receiver receiver;
     receiver.normal = f16vec3(narrow(inputs[i].normal));
     receiver.visibility = narrow(inputs[i].visibility);
-    for (int k = 0; k < MAX_SLOTS; ++k) receiver.form[k] = narrow(inputs[i].form[k]);
+    for (int k = 0; k < MAX_SLOTS; ++k) receiver.params[k] = narrow(inputs[i].params[k]);
     WideLight wide = capLight(inputs[i].light.xyz, inputs[i].light.w);
     CapLight light = CapLight(f16vec3(narrow(vec4(wide.axis, 0.0))), narrow(wide.sinRadius), narrow(wide.height), narrow(wide.area), narrow(wide.rim),
                               narrow(wide.rimSlope), narrow(wide.angle), narrow(wide.inverseAngle), narrow(wide.inverseSin),
                               narrow(wide.inverseHeight), narrow(wide.shrink), narrow(wide.spread), narrow(wide.axialWeight));
-    results[i] = vec2(lightThrough(model, receiver, light, size), skyThrough(model, receiver));
+    results[i] = vec2(irradianceThrough(model, receiver, light, lightClass), skyIrradiance(model, receiver));
 }

@@ -1,5 +1,5 @@
 // What a frame is lit by, and what is drawn: the buffers of scene.vert and scene.frag, laid out alike in
-// GLSL (std140, std430) and in C++ (runtime/renderer.cpp).
+// GLSL (std140, std430) and in C++ (runtime/render/renderer.cpp).
 #ifndef APERTURA_FRAME_GLSL
 #define APERTURA_FRAME_GLSL
 #include "cap.glsl"

@@ -7,7 +7,7 @@
 const int HORIZON_AZIMUTHS = 16;
 
 // E of a cap light over a horizon: sine of its elevation at 16 azimuths, linear in between.
-APERTURA_FN float lightOverHorizon(vec3 normal, vec4 h0, vec4 h1, vec4 h2, vec4 h3, CapLight light, int size) {
+APERTURA_FN float irradianceOverHorizon(vec3 normal, vec4 h0, vec4 h1, vec4 h2, vec4 h3, CapLight light, int lightClass) {
     vec3 tangent = tangentTo(normal);
     float x = dot(tangent, light.axis);
     float y = dot(cross(normal, tangent), light.axis);
@@ -21,7 +21,7 @@ APERTURA_FN float lightOverHorizon(vec3 normal, vec4 h0, vec4 h1, vec4 h2, vec4 
     float horizon = mix(a[i & 3], b[j & 3], at - floor(at));
     float above = capRadius(1.0f - horizon) - capRadius(1.0f - z);
     float t = clamp(0.5f + 0.5f * above / max(capRadius(light.height), 1e-6f), 0.0f, 1.0f);
-    return lightOnSurface(normal, light, size) * t * (1.0f + 0.6687f * (1.0f - t) * (2.0f * t - 1.0f));
+    return unoccludedIrradiance(normal, light, lightClass) * t * (1.0f + 0.6687f * (1.0f - t) * (2.0f * t - 1.0f));
 }
 
 #endif

@@ -28,19 +28,19 @@ const int MODEL_HORIZON = 19;
 const int MODEL_AUTO = 20;
 const int MODEL_COUNT = 21;
 
-// The vec4s that a model's form of one point takes in the shader, at most.
+// The vec4s that a model's parameters of one point take in the shader, at most.
 const int MAX_SLOTS = 6;
 
-// What one receiver sees. `form` is the model's own (sh/models.cpp says what stands in each slot).
+// What one receiver sees. `params` are the model's own (sh/models.cpp says what stands in each slot).
 struct Receiver {
     vec3 normal;      // unit
     vec4 visibility;  // D, A, sr
-    vec4 form[MAX_SLOTS];  // axes unit: see settled
+    vec4 params[MAX_SLOTS];  // axes unit: see renormalised
 };
 
 APERTURA_FN SoftAperture softIn(vec4 slot) { return SoftAperture(vec3(slot), slot.w); }
 
-APERTURA_FN Aperture apertureIn(vec4 slot, vec3 size) { return Aperture(vec3(slot), slot.w, size); }
+APERTURA_FN Aperture apertureIn(vec4 slot, vec3 terms) { return Aperture(vec3(slot), slot.w, terms); }
 
 // An axis made unit again; where nothing is left of it the normal is the best guess.
 APERTURA_FN vec4 unitAxis(vec4 slot, vec3 normal) {
@@ -49,18 +49,18 @@ APERTURA_FN vec4 unitAxis(vec4 slot, vec3 normal) {
     return vec4(squared > 1e-8f ? axis * inversesqrt(squared) : normal, slot.w);
 }
 
-// A receiver whose form was interpolated, ready for its model: the axes of apertures have become shorter, and
+// A receiver whose parameters were interpolated, ready for its model: the axes of apertures have become shorter, and
 // their sizes are made anew.
-APERTURA_FN Receiver settled(int model, Receiver receiver) {
+APERTURA_FN Receiver renormalised(int model, Receiver receiver) {
     if (model == MODEL_OAT || model == MODEL_APERTURE || model == MODEL_ALPHA || model == MODEL_ANTI)
-        receiver.form[0] = unitAxis(receiver.form[0], receiver.normal);
-    if (model == MODEL_ANTI) receiver.form[1] = unitAxis(receiver.form[1], receiver.normal);
-    vec3 size = sizeOf(receiver.form[0].w);
-    if (model == MODEL_APERTURE || model == MODEL_ALPHA) receiver.form[1] = vec4(receiver.form[1].x, size.x, size.y, size.z);
+        receiver.params[0] = unitAxis(receiver.params[0], receiver.normal);
+    if (model == MODEL_ANTI) receiver.params[1] = unitAxis(receiver.params[1], receiver.normal);
+    vec3 terms = capTermsOf(receiver.params[0].w);
+    if (model == MODEL_APERTURE || model == MODEL_ALPHA) receiver.params[1] = vec4(receiver.params[1].x, terms.x, terms.y, terms.z);
     if (model == MODEL_ANTI) {
-        vec3 other = sizeOf(receiver.form[1].w);
-        receiver.form[2] = vec4(receiver.form[2].x, 0.0f, size.z, other.z);
-        receiver.form[3] = vec4(size.x, size.y, other.x, other.y);
+        vec3 other = capTermsOf(receiver.params[1].w);
+        receiver.params[2] = vec4(receiver.params[2].x, 0.0f, terms.z, other.z);
+        receiver.params[3] = vec4(terms.x, terms.y, other.x, other.y);
     }
     return receiver;
 }

@@ -5,10 +5,10 @@
 
 // One pipeline a model and class of lights.
 layout(constant_id = 0) const int model = MODEL_SOFT;
-layout(constant_id = 1) const int size = LIGHTS_ANY;
-layout(constant_id = 2) const uint slots = 1;     // of a form
-layout(constant_id = 3) const bool mixes = true;  // forms may be interpolated
-layout(std430, set = 0, binding = 3) readonly buffer Forms { vec4 forms[]; };  // `slots` a vertex
+layout(constant_id = 1) const int lightClass = LIGHTS_ANY;
+layout(constant_id = 2) const uint slots = 1;     // of the parameters
+layout(constant_id = 3) const bool mixes = true;  // parameters may be interpolated
+layout(std430, set = 0, binding = 3) readonly buffer AllParams { vec4 allParams[]; };  // `slots` a vertex
 
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
@@ -23,11 +23,11 @@ Receiver receiver;
 float lightReceiver(float share, inout vec3 irradiance, inout float sky) {
     float lit = 0.0;
     for (int i = 0; i < frame.counts.x; ++i) {
-        float e = share * lightThrough(model, receiver, capSeenFrom(worldPosition, frame.lights[i]), size);
+        float e = share * irradianceThrough(model, receiver, capSeenFrom(worldPosition, frame.lights[i]), lightClass);
         irradiance += e * frame.lights[i].radiance.rgb;
         lit += e;
     }
-    sky += share * skyThrough(model, receiver);
+    sky += share * skyIrradiance(model, receiver);
     return lit;
 }
 
@@ -37,18 +37,18 @@ void main() {
     receiver.normal = normalize(worldNormal);
     if (mixes) {
         receiver.visibility = vec4(0.0);
-        for (int k = 0; k < MAX_SLOTS; ++k) receiver.form[k] = vec4(0.0);
+        for (int k = 0; k < MAX_SLOTS; ++k) receiver.params[k] = vec4(0.0);
         for (int c = 0; c < 3; ++c) {
             receiver.visibility += weights[c] * vertices[corners[c]].visibility;
-            for (uint k = 0; k < slots; ++k) receiver.form[k] += weights[c] * forms[corners[c] * slots + k];
+            for (uint k = 0; k < slots; ++k) receiver.params[k] += weights[c] * allParams[corners[c] * slots + k];
         }
-        receiver = settled(model, receiver);
+        receiver = renormalised(model, receiver);
         lit = lightReceiver(1.0, irradiance, sky);
     } else {
         // Lobes of neighbours need not belong together: the light through each is interpolated instead.
         for (int c = 0; c < 3; ++c) {
             receiver.visibility = vertices[corners[c]].visibility;
-            for (uint k = 0; k < slots; ++k) receiver.form[k] = forms[corners[c] * slots + k];
+            for (uint k = 0; k < slots; ++k) receiver.params[k] = allParams[corners[c] * slots + k];
             lit += lightReceiver(weights[c], irradiance, sky);
         }
     }

@@ -58,7 +58,7 @@ void main() {
         }
         open /= float(TAPS);
     }
-    float lit = open * lightAboveHorizon(normal, light);
+    float lit = open * irradianceAboveHorizon(normal, light);
     vec3 irradiance = lit * frame.lights[0].radiance.rgb + max(PI - lit, 0.0) * frame.sky.rgb;
     colour = vec4(frame.albedo.rgb / PI * irradiance, 1.0);
 }

@@ -1,5 +1,5 @@
 // Soft apertures: visibility as a smooth step across a plane through the directions,
-// V(w) = link(offset + dot(slope, w)), link(f) = 1/2 + f / (2 sqrt(1 + f^2)), and what is made of several.
+// V(w) = softStep(offset + dot(slope, w)), softStep(f) = 1/2 + f / (2 sqrt(1 + f^2)), and what is made of several.
 // One carries all four SH coefficients, where a cap carries three. Models of our own.
 // GLSL and C++ include this text.
 #ifndef APERTURA_SOFT_GLSL
@@ -12,7 +12,7 @@ struct SoftAperture {
     float offset;
 };
 
-APERTURA_FN float link(float f) { return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f); }
+APERTURA_FN float softStep(float f) { return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f); }
 
 // How a plane is averaged over a cap light: constants fitted to the integral, with a price on steps that no light makes.
 struct DiscLaw {
@@ -32,9 +32,9 @@ APERTURA_FN DiscLaw lobeDisc() { return wholeDisc(0.68f, 0.88f); }
 APERTURA_FN DiscLaw lobeQuarter(int count) { return count < 4 ? quarterDisc(0.70f, 0.77f) : quarterDisc(0.79f, 0.74f); }
 APERTURA_FN DiscLaw quadricQuarter() { return quarterDisc(0.89f, 0.74f); }
 
-// The mean of link(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
-// axis and has the gradient `slope`. The integral of link has a closed form along a line; the disc is near to one.
-APERTURA_FN float linkOverLight(vec3 normal, float centre, vec3 slope, CapLight light, DiscLaw law) {
+// The mean of softStep(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
+// axis and has the gradient `slope`. The integral of softStep has a closed form along a line; the disc is near to one.
+APERTURA_FN float softStepOverLight(vec3 normal, float centre, vec3 slope, CapLight light, DiscLaw law) {
     float z = dot(normal, light.axis);
     float s = light.sinRadius;
     float along = dot(slope, light.axis);
@@ -52,9 +52,9 @@ APERTURA_FN float linkOverLight(vec3 normal, float centre, vec3 slope, CapLight 
 }
 
 // Of a light so small that it is a point.
-APERTURA_FN float lobeAt(SoftAperture lobe, CapLight light) { return link(lobe.offset + dot(lobe.slope, light.axis)); }
+APERTURA_FN float lobeAt(SoftAperture lobe, CapLight light) { return softStep(lobe.offset + dot(lobe.slope, light.axis)); }
 
-// The mean of link over a small light or one of medium size, cheaply: the line's breadth is one more term under
+// The mean of softStep over a small light or one of medium size, cheaply: the line's breadth is one more term under
 // the root. It is as broad as makes an edge no steeper than the light itself does, whose rim is all that a hard
 // edge can sweep: half as broad would be nearer to the integral, and step.
 APERTURA_FN float lobeOverMedium(SoftAperture lobe, CapLight light) {
@@ -67,16 +67,16 @@ APERTURA_FN float lobeOverMedium(SoftAperture lobe, CapLight light) {
 // E of a cap light through a soft aperture, cut by the receiver's horizon. Of the model's own integral over
 // the light it is within 0.010 RMS (0.10 max) for radii 0.27..45 degrees, and in the cheaper classes within
 // 0.008 (small) and 0.017 (medium): tests/soft_test.cpp.
-APERTURA_FN float lightThroughSoft(vec3 normal, SoftAperture soft, CapLight light, int size) {
+APERTURA_FN float irradianceThroughSoft(vec3 normal, SoftAperture soft, CapLight light, int lightClass) {
     float visible = 0.0f;
-    if (size == LIGHTS_SUN) {
+    if (lightClass == LIGHTS_SUN) {
         visible = lobeAt(soft, light);
-    } else if (size != LIGHTS_ANY) {
+    } else if (lightClass != LIGHTS_ANY) {
         visible = lobeOverMedium(soft, light);
     } else {
-        visible = linkOverLight(normal, soft.offset + dot(soft.slope, light.axis), soft.slope, light, softDisc());
+        visible = softStepOverLight(normal, soft.offset + dot(soft.slope, light.axis), soft.slope, light, softDisc());
     }
-    return lightOnSurface(normal, light, size) * visible;
+    return unoccludedIrradiance(normal, light, lightClass) * visible;
 }
 
 // 1 over the deviation of a lobe's plane across a light, in sines of its radius, with a term for how soft its edge is beside
@@ -118,7 +118,7 @@ APERTURA_FN FourLights quarters(vec3 normal, CapLight light) {
     return four;
 }
 
-// A soft aperture whose step follows a quadric: link(offset + dot(slope, w) + w Q w), Q symmetric and
+// A soft aperture whose step follows a quadric: softStep(offset + dot(slope, w) + w Q w), Q symmetric and
 // without trace.
 struct SoftQuadric {
     vec3 slope;
@@ -133,14 +133,14 @@ APERTURA_FN vec3 bendTimes(SoftQuadric q, vec3 w) {
 }
 
 // E of a cap light through it: the step's plane is the quadric's tangent at the light's quarters.
-APERTURA_FN float lightThroughQuadric(vec3 normal, SoftQuadric soft, CapLight light, int size) {
+APERTURA_FN float irradianceThroughQuadric(vec3 normal, SoftQuadric soft, CapLight light, int lightClass) {
     float visible = 0.0f;
     vec3 bend = bendTimes(soft, light.axis);
     float centre = soft.offset + dot(soft.slope + bend, light.axis);
-    if (size == LIGHTS_SUN) {
-        visible = link(centre);
-    } else if (size != LIGHTS_ANY) {
-        visible = linkOverLight(normal, centre, soft.slope + 2.0f * bend, light, softDisc());
+    if (lightClass == LIGHTS_SUN) {
+        visible = softStep(centre);
+    } else if (lightClass != LIGHTS_ANY) {
+        visible = softStepOverLight(normal, centre, soft.slope + 2.0f * bend, light, softDisc());
     } else {
         FourLights four = quarters(normal, light);
         for (int i = 0; i < 4; ++i) {
@@ -148,10 +148,10 @@ APERTURA_FN float lightThroughQuadric(vec3 normal, SoftQuadric soft, CapLight li
             part.axis = four.axis[i];
             vec3 bent = bendTimes(soft, part.axis);
             float middle = soft.offset + dot(soft.slope + bent, part.axis);
-            visible += four.weight[i] * linkOverLight(normal, middle, soft.slope + 2.0f * bent, part, quadricQuarter());
+            visible += four.weight[i] * softStepOverLight(normal, middle, soft.slope + 2.0f * bent, part, quadricQuarter());
         }
     }
-    return lightOnSurface(normal, light, size) * visible;
+    return unoccludedIrradiance(normal, light, lightClass) * visible;
 }
 
 #endif

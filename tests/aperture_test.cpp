@@ -26,7 +26,7 @@ Errors againstExact(uint64_t seed, Formula&& formula, double least = 0.27, doubl
         }
         if (light.z < -std::sin(r1)) continue;
         const double error = normalised(formula(vec3(normal), capAperture(axis, r0), capLight(light, r1)), r1)
-                           - exactShare(normal, {{axis, r0}, {light, r1}}, r1);
+                           - exactFraction(normal, {{axis, r0}, {light, r1}}, r1);
         out.rms += error * error;
         out.max = std::max(out.max, std::abs(error));
         ++i;
@@ -37,7 +37,7 @@ Errors againstExact(uint64_t seed, Formula&& formula, double least = 0.27, doubl
 
 TEST(Aperture, LightThroughItIsWithinThreeThousandthsOfExact) {
     for (uint64_t seed : {11, 12, 13, 14}) {
-        const Errors e = againstExact(seed, [](auto... a) { return lightThroughAperture(a..., LIGHTS_ANY); });
+        const Errors e = againstExact(seed, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_ANY); });
         EXPECT_LE(e.rms, 0.003) << "seed " << seed;
         EXPECT_LE(e.max, 0.035) << "seed " << seed;
         std::printf("seed %d: rms %.4f max %.4f\n", int(seed), e.rms, e.max);
@@ -45,8 +45,8 @@ TEST(Aperture, LightThroughItIsWithinThreeThousandthsOfExact) {
 }
 
 TEST(Aperture, AndSoAreTheFormulasForLightsOfASize) {
-    const Errors medium = againstExact(15, [](auto... a) { return lightThroughAperture(a..., LIGHTS_MEDIUM); }, 3, 10);
-    const Errors small = againstExact(16, [](auto... a) { return lightThroughAperture(a..., LIGHTS_SMALL); }, 0.27, 3);
+    const Errors medium = againstExact(15, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_MEDIUM); }, 3, 10);
+    const Errors small = againstExact(16, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_SMALL); }, 0.27, 3);
     std::printf("medium: rms %.4f max %.4f, small: rms %.4f max %.4f\n", medium.rms, medium.max, small.rms, small.max);
     EXPECT_LE(medium.rms, 0.003);
     EXPECT_LE(medium.max, 0.035);
@@ -57,7 +57,7 @@ TEST(Aperture, AndSoAreTheFormulasForLightsOfASize) {
 TEST(Aperture, AChordLeavesOfADiscWhatItShould) {
     double before = 0;
     for (int i = 1; i <= 1000; ++i) {
-        const double x = i / 1000.0, turn = std::acos(1 - 2 * x), share = discShare(float(x));
+        const double x = i / 1000.0, turn = std::acos(1 - 2 * x), share = discFraction(float(x));
         EXPECT_NEAR(share, (turn - std::sin(turn) * std::cos(turn)) / kPi, 0.0016) << x;
         EXPECT_LE((share - before) * 1000, 4 / kPi + 1e-3) << x;  // of a chord through the centre
         before = share;
@@ -66,7 +66,7 @@ TEST(Aperture, AChordLeavesOfADiscWhatItShould) {
 
 TEST(Aperture, ThePublishedFormulaIsTheBaselineThatItIsSaidToBe) {
     // MATH: .19 RMS, .69 max over its own mix of lights. Here the mix is wider, the maximum the same.
-    const Errors e = againstExact(11, [](auto... a) { return oatLightThroughAperture(a...); });
+    const Errors e = againstExact(11, [](auto... a) { return oatIrradianceThroughAperture(a...); });
     EXPECT_GT(e.rms, 0.1);
     EXPECT_NEAR(e.max, 0.69, 0.02);
 }
@@ -77,7 +77,7 @@ TEST(Aperture, SurvivesWhereThePublishedFormulaFails) {
         for (double r1 : {1e-5, 0.00465, 0.26, kPi / 2})
             for (const dvec3& axis : {dvec3(0, 0, 1), dvec3(0, 0, -1), dvec3(1, 0, 0)})
                 for (const dvec3& light : {axis, -axis, dvec3(0, 1, 0)}) {
-                    const float e = lightThroughAperture(n, capAperture(axis, r0), capLight(light, r1), LIGHTS_ANY);
+                    const float e = irradianceThroughAperture(n, capAperture(axis, r0), capLight(light, r1), LIGHTS_ANY);
                     EXPECT_TRUE(std::isfinite(e) && e >= 0 && e <= 1.006 * kPi * std::pow(std::sin(r1), 2) + 1e-12)
                         << r0 << " " << r1 << " gives " << e;
                 }
@@ -110,7 +110,7 @@ TEST(Aperture, FullyOpenIsTheHemisphere) {
     const Aperture a = toAperture({float(kPi) * n, float(2 * kPi)}, n);
     EXPECT_NEAR(a.height, 1, 1e-6);
     const CapLight sun = capLight(normalize(dvec3(1, 2, 0)), 0.00465);
-    EXPECT_NEAR(lightThroughAperture(n, a, sun, LIGHTS_ANY) / lightAboveHorizon(n, sun), 1, 1e-3);
+    EXPECT_NEAR(irradianceThroughAperture(n, a, sun, LIGHTS_ANY) / irradianceAboveHorizon(n, sun), 1, 1e-3);
 }
 
 }  // namespace

@@ -64,8 +64,8 @@ TEST(Light, CutByTheHorizonWithinAThousandth) {
         for (double elevation = -60; elevation <= 90; elevation += 0.125) {
             const double r = degrees * kPi / 180, e = elevation * kPi / 180;
             const dvec3 axis(std::cos(e), 0, std::sin(e));
-            const double error = normalised(lightAboveHorizon(vec3(normal), capLight(axis, r)), r)
-                               - exactShare(normal, {{axis, r}}, r);
+            const double error = normalised(irradianceAboveHorizon(vec3(normal), capLight(axis, r)), r)
+                               - exactFraction(normal, {{axis, r}}, r);
             worst = std::max(worst, std::abs(error));
         }
     EXPECT_LE(worst, 0.001);
@@ -79,7 +79,7 @@ TEST(Light, OfASphereHasTheSizeItIsSeenAt) {
     EXPECT_FLOAT_EQ(light.axis.y, 1);
     EXPECT_FLOAT_EQ(capOfSphere(vec3(0, 0.5f, 0), 1).sinRadius, 1);  // from inside: a half-space
     const CapLight centre = capOfSphere(vec3(0), 1);
-    EXPECT_TRUE(std::isfinite(lightAboveHorizon(vec3(0, 1, 0), centre)));
+    EXPECT_TRUE(std::isfinite(irradianceAboveHorizon(vec3(0, 1, 0), centre)));
 }
 
 }  // namespace

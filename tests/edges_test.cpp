@@ -84,14 +84,14 @@ TEST(Edges, MeansOfThreeAndFourFollowFromTheirPairs) {
 TEST(Edges, TwoMeansAreWithinWhatTwoCanHave) {
     Random random(73);
     for (int i = 0; i < 10000; ++i) {
-        const float p = float(random()), q = float(random()), w = edgeShare(float(random(-1.2, 1.2)));
+        const float p = float(random()), q = float(random()), w = edgeAlignment(float(random(-1.2, 1.2)));
         const float both = meanOfTwo(p, q, w);
         EXPECT_LE(both, std::min(p, q) + 1e-6f);
         EXPECT_GE(both, std::max(p + q - 1, 0.0f) - 1e-6f);
     }
-    EXPECT_EQ(meanOfTwo(0.4f, 0.7f, edgeShare(0)), 0.4f * 0.7f);
-    EXPECT_FLOAT_EQ(meanOfTwo(0.4f, 0.7f, edgeShare(1)), 0.4f);
-    EXPECT_NEAR(meanOfTwo(0.4f, 0.7f, edgeShare(-1)), 0.1f, 1e-6);
+    EXPECT_EQ(meanOfTwo(0.4f, 0.7f, edgeAlignment(0)), 0.4f * 0.7f);
+    EXPECT_FLOAT_EQ(meanOfTwo(0.4f, 0.7f, edgeAlignment(1)), 0.4f);
+    EXPECT_NEAR(meanOfTwo(0.4f, 0.7f, edgeAlignment(-1)), 0.1f, 1e-6);
 }
 
 // The same cap several times is that cap: across the light's edge, and where it lies within the light and has no edge
@@ -103,14 +103,14 @@ TEST(Edges, CapsOneUponTheOtherCountOnce) {
         const double light = random(3, 30) * kPi / 180, radius = light * random(0.5, 1), away = radius * random(0, 1.5);
         const dvec3 l = normalize(dvec3(random(-0.3, 0.3), random(-0.3, 0.3), 1)), side = normalize(cross(l, random.direction()));
         const dvec3 axis = std::cos(away) * l + std::sin(away) * side;
-        const double exact = exactShare(n, {{axis, radius}, {l, light}}, light);
+        const double exact = exactFraction(n, {{axis, radius}, {l, light}}, light);
         const CapLight cap = capLight(l, light);
-        Form stored{};
+        ModelParams stored{};
         for (int k = 0; k < 4; ++k) stored[size_t(k)] = vec4(vec3(axis), float(1 - std::cos(radius)));
         for (const char* name : {"multi-2", "multi-3", "multi-4"}) {
             const Model& model = *findModel(name);
-            const Receiver receiver = toReceiver({float(kPi) * vec3(n), float(2 * kPi)}, toForm(model, {}, &stored, vec3(n)), vec3(n));
-            EXPECT_NEAR(normalised(lightThrough(model.id, receiver, cap, lightsOf(cap.sinRadius)), light), exact, 0.05)
+            const Receiver receiver = toReceiver({float(kPi) * vec3(n), float(2 * kPi)}, toParams(model, {}, &stored, vec3(n)), vec3(n));
+            EXPECT_NEAR(normalised(irradianceThrough(model.id, receiver, cap, lightClassOf(cap.sinRadius)), light), exact, 0.05)
                 << name << ", light " << light << ", cap " << radius << ", away " << away;
         }
     }
@@ -127,7 +127,7 @@ TEST(Edges, NoLargeLightBringsMoreThanTheSky) {
     for (const double light : {12.0, 30.0, 45.0})
         for (double away = 0; away < 90; away += 3) {
             const CapLight cap = capLight(normalize(dvec3(std::sin(away * kPi / 180), 0, std::cos(away * kPi / 180))), light * kPi / 180);
-            EXPECT_LE(lightThrough(MODEL_SOFT, receiver, cap, LIGHTS_ANY), 1.001 * sky) << light << " degrees, " << away << " away";
+            EXPECT_LE(irradianceThrough(MODEL_SOFT, receiver, cap, LIGHTS_ANY), 1.001 * sky) << light << " degrees, " << away << " away";
         }
 }
 

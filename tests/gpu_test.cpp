@@ -4,7 +4,7 @@
 #include "bake/measure/reference.h"
 #include "runtime/asset/error.h"
 #include "runtime/render/cost.h"
-#include "runtime/asset/form_stream.h"
+#include "runtime/asset/params_stream.h"
 #include "runtime/render/renderer.h"
 #include "tests/support.h"
 
@@ -41,8 +41,8 @@ double differenceOf(const Picture& a, const Picture& b) {
     return std::sqrt(sum / double(a.pixels.size()));
 }
 
-// Any form that a model's own bytes could hold.
-Form randomForm(const Model& model, const Visibility& v, const vec3& normal, Random& random) {
+// Any parameters that a model's own bytes could hold.
+ModelParams randomForm(const Model& model, const Visibility& v, const vec3& normal, Random& random) {
     const Model* stored = &model;
     if (model.id == MODEL_AUTO) stored = &models()[size_t(autoChoices()[size_t(random(0, 8))])];
     std::vector<float> numbers(size_t(storedNumbers(*stored)) + 1);
@@ -50,9 +50,9 @@ Form randomForm(const Model& model, const Visibility& v, const vec3& normal, Ran
     // Coefficients are small in the high bands of anything real.
     if (stored->id == MODEL_SH_L4)
         for (float& n : numbers) n *= 0.3f;
-    Form form = unpackForm(*stored, numbers);
-    if (model.id == MODEL_AUTO) form[4].y = float(stored->id);
-    return toForm(model, v, stored->storedFields || model.id == MODEL_AUTO ? &form : nullptr, normal);
+    ModelParams params = unpackParams(*stored, numbers);
+    if (model.id == MODEL_AUTO) params[4].y = float(stored->id);
+    return toParams(model, v, stored->storedFields || model.id == MODEL_AUTO ? &params : nullptr, normal);
 }
 
 TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
@@ -62,12 +62,12 @@ TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
     const std::vector<int> sizes{LIGHTS_ANY, LIGHTS_MEDIUM, LIGHTS_SMALL, LIGHTS_SUN};
 #endif
     for (const Model& model : models())
-        for (const int size : sizes) {
+        for (const int lightClass : sizes) {
             Random random(41);
             std::vector<Evaluation> inputs;
             std::vector<Receiver> receivers;
-            const double largest = size == LIGHTS_ANY ? 45 : size == LIGHTS_MEDIUM ? 10 : size == LIGHTS_SMALL ? 3 : 0.6;
-            for (int i = 0; i < (size == LIGHTS_ANY && model.fromVisibility ? 100000 : 10000); ++i) {
+            const double largest = lightClass == LIGHTS_ANY ? 45 : lightClass == LIGHTS_MEDIUM ? 10 : lightClass == LIGHTS_SMALL ? 3 : 0.6;
+            for (int i = 0; i < (lightClass == LIGHTS_ANY && model.fromVisibility ? 100000 : 10000); ++i) {
                 const vec3 normal(random.direction());
                 const double area = 2 * kPi * random();
                 dvec3 d = random.direction();
@@ -76,18 +76,18 @@ TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
                 receivers.push_back(toReceiver(v, randomForm(model, v, normal, random), normal));
                 const double r = 0.27 * std::pow(largest / 0.27, random()) * kPi / 180;
                 Evaluation e{vec4(normal, 0), vec4(vec3(random.direction()), float(std::sin(r))), receivers.back().visibility, {}};
-                std::copy_n(receivers.back().form, MAX_SLOTS, e.form);
+                std::copy_n(receivers.back().params, MAX_SLOTS, e.params);
                 inputs.push_back(e);
             }
-            const std::vector<vec2> device = evaluateOnDevice(*gpu, model.id, size, inputs);
+            const std::vector<vec2> device = evaluateOnDevice(*gpu, model.id, lightClass, inputs);
             double worst = 0;
             for (size_t i = 0; i < inputs.size(); ++i) {
                 const CapLight light = apertura::capLight(vec3(inputs[i].light), inputs[i].light.w);
-                const float here = lightThrough(model.id, receivers[i], light, size), sky = skyThrough(model.id, receivers[i]);
+                const float here = irradianceThrough(model.id, receivers[i], light, lightClass), sky = skyIrradiance(model.id, receivers[i]);
                 ASSERT_TRUE(std::isfinite(device[i].x) && std::isfinite(device[i].y)) << model.name;
                 worst = std::max({worst, std::abs(double(here) - device[i].x), std::abs(double(sky) - device[i].y)});
             }
-            EXPECT_LE(worst, 1e-4) << model.name << ", lights of class " << size;
+            EXPECT_LE(worst, 1e-4) << model.name << ", lights of class " << lightClass;
         }
 }
 

@@ -38,7 +38,7 @@ TEST(Truth, OfAnOpenLightIsTheClosedForm) {
             const double r = degrees * kPi / 180, e = elevation * kPi / 180;
             const dvec3 axis(std::cos(e), std::sin(e), 0);
             const TruthSample t = traceLight(tracer, point, glm::vec3(axis), r, 1024, 0.3);
-            EXPECT_NEAR(t.mean(), exactShare({0, 1, 0}, {{axis, r}}, r), 2e-3);
+            EXPECT_NEAR(t.mean(), exactFraction({0, 1, 0}, {{axis, r}}, r), 2e-3);
         }
 }
 

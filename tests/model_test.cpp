@@ -1,4 +1,4 @@
-// Every model's form: its bytes, its turning, and what its formula makes of regions with known answers.
+// Every model's parameters: their bytes, their turning, and what its formula makes of regions with known answers.
 #include "bake/sampling/directions.h"
 #include "bake/measure/truth.h"
 #include "bake/fit/bake.h"
@@ -6,7 +6,7 @@
 #include "bake/fit/lobe_sums.h"
 #include "bake/sampling/surface_points.h"
 #include "runtime/asset/error.h"
-#include "runtime/asset/form_stream.h"
+#include "runtime/asset/params_stream.h"
 #include "tests/support.h"
 
 #include <map>
@@ -30,12 +30,12 @@ double errorOf(const char* recipe, const char* modelName, const FitTools& tools,
     const Recipe& how = *findRecipe(recipe);
     const Model& model = *findModel(modelName);
     const BakedPoint point = how.make(tools, samples, mat3(1), {});
-    const Receiver receiver = toReceiver(point.visibility, toForm(model, point.visibility, how.model >= 0 ? &point.form : nullptr, kUp), kUp);
+    const Receiver receiver = toReceiver(point.visibility, toParams(model, point.visibility, how.model >= 0 ? &point.params : nullptr, kUp), kUp);
     double sum = 0;
     int count = 0;
     for (const vec3& l : fibonacciHemisphere(200)) {
         const CapLight light = capLight(dvec3(l), radius);
-        const double e = lightThrough(model.id, receiver, light, lightsOf(light.sinRadius)) / light.area - exact(dvec3(l));
+        const double e = irradianceThrough(model.id, receiver, light, lightClassOf(light.sinRadius)) / light.area - exact(dvec3(l));
         sum += e * e;
         ++count;
     }
@@ -58,17 +58,17 @@ TEST(Models, AnyNumbersUnpackToAFiniteFormAndPackAgain) {
         std::vector<float> numbers(size_t(storedNumbers(model))), again(numbers.size());
         for (int i = 0; i < 2000 && !numbers.empty(); ++i) {
             for (float& n : numbers) n = i % 5 ? float(random(-1, 1)) : float(std::lround(random(-1.4, 1.4)));
-            const Form form = unpackForm(model, numbers);
-            for (const vec4& slot : form)
+            const ModelParams params = unpackParams(model, numbers);
+            for (const vec4& slot : params)
                 for (int c = 0; c < 4; ++c) ASSERT_TRUE(std::isfinite(slot[c])) << model.name;
-            packForm(model, form, again);
-            const Form back = unpackForm(model, again);
+            packParams(model, params, again);
+            const ModelParams back = unpackParams(model, again);
             // The same light, whichever of several names an axis has.
             const Visibility v{vec3(0, 0, 1), 3};
             for (int k = 0; k < 4; ++k) {
                 const CapLight light = capLight(random.direction(), 0.1);
-                const float a = lightThrough(model.id, toReceiver(v, toForm(model, v, &form, kUp), kUp), light, LIGHTS_ANY);
-                const float b = lightThrough(model.id, toReceiver(v, toForm(model, v, &back, kUp), kUp), light, LIGHTS_ANY);
+                const float a = irradianceThrough(model.id, toReceiver(v, toParams(model, v, &params, kUp), kUp), light, LIGHTS_ANY);
+                const float b = irradianceThrough(model.id, toReceiver(v, toParams(model, v, &back, kUp), kUp), light, LIGHTS_ANY);
                 ASSERT_TRUE(std::isfinite(a));
                 ASSERT_NEAR(a / light.area, b / light.area, 0.02) << model.name;
             }
@@ -85,11 +85,11 @@ TEST(Models, FormsTurnWithTheirFrame) {
             for (float& n : numbers) n = float(random(-0.3, 0.3));
             const vec3 axis(random.direction());
             const mat3 turn = frameFromZ(axis, random(0, 6));
-            const Form form = unpackForm(model, numbers), turned = rotateForm(model, form, turn);
+            const ModelParams params = unpackParams(model, numbers), turned = rotateParams(model, params, turn);
             const Visibility v{vec3(0.3f, 0.2f, 1), 3}, w{turn * v.direction, v.area};
             const CapLight light = capLight(random.direction(), 0.15), moved = capLight(dvec3(turn * light.axis), 0.15);
-            const float a = lightThrough(model.id, toReceiver(v, toForm(model, v, &form, kUp), kUp), light, LIGHTS_MEDIUM);
-            const float b = lightThrough(model.id, toReceiver(w, toForm(model, w, &turned, turn * kUp), turn * kUp), moved, LIGHTS_MEDIUM);
+            const float a = irradianceThrough(model.id, toReceiver(v, toParams(model, v, &params, kUp), kUp), light, LIGHTS_MEDIUM);
+            const float b = irradianceThrough(model.id, toReceiver(w, toParams(model, w, &turned, turn * kUp), turn * kUp), moved, LIGHTS_MEDIUM);
             EXPECT_NEAR(a / light.area, b / light.area, 2e-3) << model.name;
         }
     }
@@ -127,9 +127,9 @@ TEST(Models, AlphaHasAllFourNumbers) {
         const double r = random(0.1, 1.5), opacity = random(0.1, 1), area = 2 * kPi * (1 - std::cos(r)) * opacity;
         const dvec3 axis = random.direction();
         const Visibility v{vec3(axis * area * (1 + std::cos(r)) / 2.0), float(area)};
-        const Form form = toForm(*findModel("alpha"), v, nullptr, kUp);
-        EXPECT_NEAR(form[0].w, 1 - std::cos(r), 1e-4);
-        EXPECT_NEAR(form[1].x, opacity, 2e-4);
+        const ModelParams params = toParams(*findModel("alpha"), v, nullptr, kUp);
+        EXPECT_NEAR(params[0].w, 1 - std::cos(r), 1e-4);
+        EXPECT_NEAR(params[1].x, opacity, 2e-4);
     }
 }
 
@@ -140,7 +140,7 @@ TEST(Models, AnAntiApertureIsRightAboutASphereOverAPlane) {
     const double blocked = 0.5, radius = 0.0873;
     const Samples samples = samplesOf(tools.lattice, [&](const dvec3& w) { return dot(w, axis) < std::cos(blocked); });
     auto exact = [&](const dvec3& l) {
-        return exactShare({0, 0, 1}, {{l, radius}}, radius) - exactShare({0, 0, 1}, {{l, radius}, {axis, blocked}}, radius);
+        return exactFraction({0, 0, 1}, {{l, radius}}, radius) - exactFraction({0, 0, 1}, {{l, radius}, {axis, blocked}}, radius);
     };
     EXPECT_LT(errorOf("sh", "anti", tools, samples, radius, exact), 0.02);
     EXPECT_LT(errorOf("anti", "anti", tools, samples, radius, exact), 0.02);
@@ -157,7 +157,7 @@ TEST(Models, TwoOpeningsAreFoundAndLit) {
     const Samples samples = samplesOf(tools.lattice, [&](const dvec3& w) { return dot(w, a) > std::cos(ra) || dot(w, b) > std::cos(rb); });
     for (double radius : {0.02, 0.0873, 0.26}) {
         auto exact = [&](const dvec3& l) {
-            return exactShare({0, 0, 1}, {{l, radius}, {a, ra}}, radius) + exactShare({0, 0, 1}, {{l, radius}, {b, rb}}, radius);
+            return exactFraction({0, 0, 1}, {{l, radius}, {a, ra}}, radius) + exactFraction({0, 0, 1}, {{l, radius}, {b, rb}}, radius);
         };
         for (const char* model : {"multi-2", "cap-anti", "firm-2", "soft-2", "firm-3", "firm-4"})
             EXPECT_LT(errorOf(model, model, tools, samples, radius, exact), 0.045) << model << " " << radius;
@@ -179,7 +179,7 @@ TEST(Models, PairsOfLobesAreSlits) {
     auto exact = [&](const dvec3& l) {
         const std::vector<ExactCap> first{{l, radius}, {a, wide}, {b, wide}}, second{{l, radius}, {c, wide}, {d, wide}};
         const std::vector<ExactCap> both{{l, radius}, {a, wide}, {b, wide}, {c, wide}, {d, wide}};
-        return exactShare({0, 0, 1}, first, radius) + exactShare({0, 0, 1}, second, radius) - exactShare({0, 0, 1}, both, radius);
+        return exactFraction({0, 0, 1}, first, radius) + exactFraction({0, 0, 1}, second, radius) - exactFraction({0, 0, 1}, both, radius);
     };
     const double error = errorOf("firm-4", "firm-4", tools, samples, radius, exact);
     std::printf("two slits: firm-4 %.4f, soft-2 %.4f\n", error, errorOf("soft-2", "soft-2", tools, samples, radius, exact));
@@ -189,9 +189,9 @@ TEST(Models, PairsOfLobesAreSlits) {
 
 // One instance of sumLobes: the same bytes with and without what newer processors have, and derivatives that are the
 // differences of the value.
-template <int K, int M, bool Firm, int L>
+template <int K, int M, bool Hard, int L>
 void checkSums(const SampleLattice& lattice, const Samples& samples) {
-    using Sums = LobeSums<K, M, Firm>;
+    using Sums = LobeSums<K, M, Hard>;
     constexpr int N = Sums::N;
     Random random(54);
     for (int i = 0; i < 20; ++i) {
@@ -201,8 +201,8 @@ void checkSums(const SampleLattice& lattice, const Samples& samples) {
         for (float& x : p) x = float(random(-4, 4));
         for (float& x : tangents) x = float(random(-1, 1));
         Sums one, other;
-        sumLobes<K, M, Firm, L>(patched, p, tangents, true, one);
-        plain::sumLobes<K, M, Firm, L>(patched, p, tangents, true, other);
+        sumLobes<K, M, Hard, L>(patched, p, tangents, true, one);
+        plain::sumLobes<K, M, Hard, L>(patched, p, tangents, true, other);
         for (int a = 0; a < N + 1; ++a) {
             ASSERT_EQ(one.sums[a], other.sums[a]);
             for (int b = 0; b <= a; ++b) ASSERT_EQ(one.products[a][b], other.products[a][b]);
@@ -215,10 +215,10 @@ void checkSums(const SampleLattice& lattice, const Samples& samples) {
                 float moved[K * M];
                 std::copy_n(p, K * M, moved);
                 const float by = side ? step : -step;
-                for (int axis = 0; Firm && c > 0 && axis < 3; ++axis) moved[lobe * M + 1 + axis] += by * tangents[(lobe * 2 + c - 1) * 3 + axis];
-                if (!Firm || c == 0) moved[lobe * M + c] += by;
+                for (int axis = 0; Hard && c > 0 && axis < 3; ++axis) moved[lobe * M + 1 + axis] += by * tangents[(lobe * 2 + c - 1) * 3 + axis];
+                if (!Hard || c == 0) moved[lobe * M + c] += by;
                 Sums there;
-                sumLobes<K, M, Firm, L>(patched, moved, tangents, false, there);
+                sumLobes<K, M, Hard, L>(patched, moved, tangents, false, there);
                 value[side] = there.products[N][N];
             }
             const double slope = (value[1] - value[0]) / (4 * step);
@@ -231,7 +231,7 @@ void checkSums(const SampleLattice& lattice, const Samples& samples) {
 TEST(Models, SumsAreTheSameOnEveryProcessorAndTheirDerivativesRight) {
     const SampleLattice lattice(1000);
     const Samples samples = samplesOf(lattice, [](const dvec3& w) { return w.x + w.z > 0.3; });
-#define APERTURA_INSTANCE(K, M, Firm, L) checkSums<K, M, Firm, L>(lattice, samples);
+#define APERTURA_INSTANCE(K, M, Hard, L) checkSums<K, M, Hard, L>(lattice, samples);
     APERTURA_INSTANCES
 #undef APERTURA_INSTANCE
 }
@@ -261,19 +261,19 @@ TEST(Models, FitsAreNoWorseThanALongSearch) {
     for (const SurfaceSample& p : sampleReceivers(scene, 24, 3)) points.push_back(p.at);
     const FitTools tools(256);
     const CapDictionary fine(tools.lattice, 200, 20);
-    for (const float firmness : {0.0f, kFirmness, 2 * kFirmness}) {  // soft, firm, and as caps are
+    for (const float sharpness : {0.0f, kHardSharpness, 2 * kHardSharpness}) {  // soft, firm, and as caps are
         double own = 0, slow = 0;
         samplePoints(RayOcclusion(tracer), points, tools.lattice, 1, 1, {}, [&](size_t, const Samples& samples, const mat3&) {
             LobeFitOptions how;
             how.lobes = 2;
-            how.firmness = firmness;
+            how.sharpness = sharpness;
             own += fitLobes(samples, tools.dictionary, LobeFitSides::Both, how).error;
             how.starts = 24;
             how.firstSteps = how.steps = 100;
             slow += fitLobes(samples, fine, LobeFitSides::Both, how).error;
         });
-        std::printf("two lobes, firmness %g: %.4f, after a long search %.4f\n", firmness, std::sqrt(own / 24), std::sqrt(slow / 24));
-        EXPECT_LE(std::sqrt(own), (firmness > 0 ? 1.03 : 1.12) * std::sqrt(slow));
+        std::printf("two lobes, sharpness %g: %.4f, after a long search %.4f\n", sharpness, std::sqrt(own / 24), std::sqrt(slow / 24));
+        EXPECT_LE(std::sqrt(own), (sharpness > 0 ? 1.03 : 1.12) * std::sqrt(slow));
     }
 }
 
@@ -289,15 +289,15 @@ TEST(Models, BytesAddLittle) {
         double sum[2]{};
         int count = 0;
         samplePoints(RayOcclusion(tracer), points, tools.lattice, 1, 1, {}, [&](size_t i, const Samples& samples, const mat3& frame) {
-            const BakedPoint point = makePoint(recipe, tools, samples, frame, {.price = 400});
+            const BakedPoint point = makePoint(recipe, tools, samples, frame, {.lambda = 400});
             const vec3 normal = points[i].normal;
             for (int k = 0; k < 2; ++k) {
-                const auto bytes = packForms(model, {&point.form, 1}, mat3(1), k ? 16 : 8);
-                const Form back = unpackForms(model, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 1, mat3(1), k ? 16 : 8)[0];
+                const auto bytes = packAllParams(model, {&point.params, 1}, mat3(1), k ? 16 : 8);
+                const ModelParams back = unpackAllParams(model, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 1, mat3(1), k ? 16 : 8)[0];
                 for (const vec3& l : fibonacciHemisphere(40)) {
                     const CapLight light = apertura::capLight(frame * l, 0.0872f);
-                    const float a = lightThrough(model.id, toReceiver(point.visibility, toForm(model, point.visibility, &point.form, normal), normal), light, LIGHTS_MEDIUM);
-                    const float b = lightThrough(model.id, toReceiver(point.visibility, toForm(model, point.visibility, &back, normal), normal), light, LIGHTS_MEDIUM);
+                    const float a = irradianceThrough(model.id, toReceiver(point.visibility, toParams(model, point.visibility, &point.params, normal), normal), light, LIGHTS_MEDIUM);
+                    const float b = irradianceThrough(model.id, toReceiver(point.visibility, toParams(model, point.visibility, &back, normal), normal), light, LIGHTS_MEDIUM);
                     sum[k] += std::pow((a - b) / light.area, 2);
                     count += k;
                 }
@@ -313,18 +313,18 @@ TEST(FormStream, RefusesWhatCannotBe) {
     const Model& two = *findModel("soft-2");
     const Model& automatic = *findModel("auto");
     std::vector<unsigned char> bytes(24, 7);
-    EXPECT_EQ(unpackForms(two, bytes, 3, mat3(1), 8).size(), 3u);
-    EXPECT_THROW(unpackForms(two, bytes, 4, mat3(1), 8), Error);
-    EXPECT_THROW(unpackForms(two, bytes, 2, mat3(1), 8), Error);
-    EXPECT_THROW(unpackForms(two, bytes, 3, mat3(1), 16), Error);
-    EXPECT_THROW(unpackForms(automatic, bytes, 25, mat3(1), 8), Error);
+    EXPECT_EQ(unpackAllParams(two, bytes, 3, mat3(1), 8).size(), 3u);
+    EXPECT_THROW(unpackAllParams(two, bytes, 4, mat3(1), 8), Error);
+    EXPECT_THROW(unpackAllParams(two, bytes, 2, mat3(1), 8), Error);
+    EXPECT_THROW(unpackAllParams(two, bytes, 3, mat3(1), 16), Error);
+    EXPECT_THROW(unpackAllParams(automatic, bytes, 25, mat3(1), 8), Error);
     bytes = {0, 1, 2, 0x80};  // four points that store nothing, the last out of reach
-    const std::vector<Form> forms = unpackForms(automatic, bytes, 4, mat3(1), 8);
-    EXPECT_EQ(chosenModel(MODEL_AUTO, forms[2]), MODEL_SOFT);
-    EXPECT_EQ(forms[0][4].z, 0);
-    EXPECT_EQ(forms[3][4].z, 1);
+    const std::vector<ModelParams> allParams = unpackAllParams(automatic, bytes, 4, mat3(1), 8);
+    EXPECT_EQ(chosenModel(MODEL_AUTO, allParams[2]), MODEL_SOFT);
+    EXPECT_EQ(allParams[0][4].z, 0);
+    EXPECT_EQ(allParams[3][4].z, 1);
     bytes[1] = 100;
-    EXPECT_THROW(unpackForms(automatic, bytes, 4, mat3(1), 8), Error);
+    EXPECT_THROW(unpackAllParams(automatic, bytes, 4, mat3(1), 8), Error);
 }
 
 }  // namespace

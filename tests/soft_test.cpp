@@ -79,7 +79,7 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
                 if (dot(l, dvec3(n)) < 0) l = -l;
                 const double r = 0.27 * std::pow(45 / 0.27, random()) * kPi / 180;
                 const CapLight light = capLight(l, r);
-                const double e = normalised(lightThroughSoft(n, table, light, LIGHTS_ANY) - lightThroughSoft(n, full, light, LIGHTS_ANY), r);
+                const double e = normalised(irradianceThroughSoft(n, table, light, LIGHTS_ANY) - irradianceThroughSoft(n, full, light, LIGHTS_ANY), r);
                 sum += e * e;
                 ++count;
             }
@@ -102,7 +102,7 @@ TEST(Soft, CapsAsSoftAsTheyAreDrawnKeepTheirArea) {
             const vec3 direction = vec3(dvec3(std::sin(tilt), 0, std::cos(tilt)) * area * (1 - area / (4 * kPi)));
             // A cap or, over a half, what a cap leaves of the hemisphere.
             const Visibility v = open <= 0.5 ? Visibility{direction, float(area)} : Visibility{float(kPi) * n - direction, float(2 * kPi - area)};
-            const vec4 lobe = toForm(soft, v, nullptr, n)[0];
+            const vec4 lobe = toParams(soft, v, nullptr, n)[0];
             EXPECT_LE(length(vec3(lobe)) + std::abs(lobe.w), 250.01f) << open;
             const SoftAperture solved = toSoft(v, n);
             const double before = overHemisphere(n, dvec3(solved.slope), solved.offset).area, after = overHemisphere(n, dvec3(vec3(lobe)), lobe.w).area;
@@ -135,21 +135,21 @@ TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
                 const double h = height * (a + 0.5) / rings, s = std::sqrt(h * (2 - h)), turn = 2 * kPi * (b + 0.5 * (a % 2)) / turns;
                 const dvec3 l = (1 - h) * axis + s * (std::cos(turn) * u + std::sin(turn) * w);
                 const double f = soft.offset + dot(dvec3(soft.slope), l);
-                e += std::max(l.z, 0.0) * softLink(f);
+                e += std::max(l.z, 0.0) * softStepExact(f);
             }
         e *= 2 * kPi * height / (rings * turns) / (kPi * std::sin(r) * std::sin(r));
-        const double error = normalised(lightThroughSoft(vec3(n), soft, capLight(axis, r), LIGHTS_ANY), r) - e;
+        const double error = normalised(irradianceThroughSoft(vec3(n), soft, capLight(axis, r), LIGHTS_ANY), r) - e;
         sum += error * error;
         worst = std::max(worst, std::abs(error));
-        const int size = lightsOf(float(std::sin(r)));
-        classSum[size] += std::pow(normalised(lightThroughSoft(vec3(n), soft, capLight(axis, r), size), r) - e, 2);
-        ++classCount[size];
+        const int lightClass = lightClassOf(float(std::sin(r)));
+        classSum[lightClass] += std::pow(normalised(irradianceThroughSoft(vec3(n), soft, capLight(axis, r), lightClass), r) - e, 2);
+        ++classCount[lightClass];
     }
     std::printf("soft light against brute force: rms %.4f max %.4f\n", std::sqrt(sum / trials), worst);
     EXPECT_LE(std::sqrt(sum / trials), 0.010);
-    for (const auto& [size, most] : {std::pair(LIGHTS_SUN, 0.010), std::pair(LIGHTS_SMALL, 0.008), std::pair(LIGHTS_MEDIUM, 0.017)}) {
-        std::printf("  lights of class %d: rms %.4f\n", size, std::sqrt(classSum[size] / classCount[size]));
-        EXPECT_LE(std::sqrt(classSum[size] / classCount[size]), most);
+    for (const auto& [lightClass, most] : {std::pair(LIGHTS_SUN, 0.010), std::pair(LIGHTS_SMALL, 0.008), std::pair(LIGHTS_MEDIUM, 0.017)}) {
+        std::printf("  lights of class %d: rms %.4f\n", lightClass, std::sqrt(classSum[lightClass] / classCount[lightClass]));
+        EXPECT_LE(std::sqrt(classSum[lightClass] / classCount[lightClass]), most);
     }
     EXPECT_LE(worst, 0.10);
 }
@@ -171,18 +171,18 @@ TEST(Lobes, LightThroughTwoIsTheIntegralOfTheirProduct) {
             slopes[k] *= 3 * std::pow(80, random());
             const double along = dot(slopes[k], axis), across = std::sqrt(std::max(dot(slopes[k], slopes[k]) - along * along, 0.0));
             offsets[k] = -along + random(-1, 1) * (1.5 + 1.2 * across * std::sin(r));
-            receiver.form[k] = vec4(vec3(slopes[k]), float(offsets[k]));
+            receiver.params[k] = vec4(vec3(slopes[k]), float(offsets[k]));
         }
         double both = 0, each[2]{}, all = 0;
         for (int a = 0; a < rings; ++a)
             for (int b = 0; b < turns; ++b) {
                 const double h = height * (a + 0.5) / rings, s = std::sqrt(h * (2 - h)), turn = 2 * kPi * (b + 0.5 * (a % 2)) / turns;
                 const dvec3 l = (1 - h) * axis + s * (std::cos(turn) * u + std::sin(turn) * w);
-                const double first = softLink(offsets[0] + dot(slopes[0], l)), second = softLink(offsets[1] + dot(slopes[1], l));
+                const double first = softStepExact(offsets[0] + dot(slopes[0], l)), second = softStepExact(offsets[1] + dot(slopes[1], l));
                 all += l.z, both += l.z * first * second, each[0] += l.z * first, each[1] += l.z * second;
             }
         const CapLight light = capLight(axis, r);
-        const double e = lightThrough(MODEL_FIRM_2, receiver, light, lightsOf(light.sinRadius)) / lightOnSurface(vec3(n), light, LIGHTS_ANY);
+        const double e = irradianceThrough(MODEL_FIRM_2, receiver, light, lightClassOf(light.sinRadius)) / unoccludedIrradiance(vec3(n), light, LIGHTS_ANY);
         sum += std::pow(e - both / all, 2);
         plain += std::pow((each[0] * each[1] / all - both) / all, 2);
     }
@@ -196,19 +196,19 @@ TEST(Lobes, TheSameTwiceIsOne) {
     for (int i = 0; i < 1000; ++i) {
         Receiver receiver{vec3(0, 0, 1), vec4(0, 0, float(kPi), float(2 * kPi)), {}};
         const float sharp = float(random(150, 240));  // soft ones are not the same twice
-        for (int k = 0; k < 4; ++k) receiver.form[k] = vec4(sharp * vec3(0, 1, 0), 0.0f);
-        receiver.form[4] = vec4(0);
+        for (int k = 0; k < 4; ++k) receiver.params[k] = vec4(sharp * vec3(0, 1, 0), 0.0f);
+        receiver.params[4] = vec4(0);
         const double r = random(5, 10) * kPi / 180;
         const CapLight light = capLight(normalize(dvec3(0.2, random(-0.15, 0.15), 1)), r);
-        const int size = lightsOf(light.sinRadius);
+        const int lightClass = lightClassOf(light.sinRadius);
         Receiver two = receiver, three = receiver, one = receiver;
-        two.form[2] = three.form[3] = vec4(0);
-        one.form[1] = vec4(0, 0, 0, 1000);  // everything is open to the other
-        one.form[2] = vec4(0);
-        const double single = lightThrough(MODEL_FIRM_2, one, light, size) / light.area;
-        EXPECT_NEAR(lightThrough(MODEL_FIRM_2, two, light, size) / light.area, single, 0.02);
-        EXPECT_NEAR(lightThrough(MODEL_FIRM_3, three, light, size) / light.area, single, 0.04);
-        EXPECT_NEAR(lightThrough(MODEL_FIRM_4, receiver, light, size) / light.area, single, 0.06);
+        two.params[2] = three.params[3] = vec4(0);
+        one.params[1] = vec4(0, 0, 0, 1000);  // everything is open to the other
+        one.params[2] = vec4(0);
+        const double single = irradianceThrough(MODEL_FIRM_2, one, light, lightClass) / light.area;
+        EXPECT_NEAR(irradianceThrough(MODEL_FIRM_2, two, light, lightClass) / light.area, single, 0.02);
+        EXPECT_NEAR(irradianceThrough(MODEL_FIRM_3, three, light, lightClass) / light.area, single, 0.04);
+        EXPECT_NEAR(irradianceThrough(MODEL_FIRM_4, receiver, light, lightClass) / light.area, single, 0.06);
     }
 }
 
@@ -220,9 +220,9 @@ TEST(Soft, IsFiniteAndInRangeForAnything) {
         const Visibility v{vec3(random.direction() * area * random(0, 1.5)), float(area)};
         const SoftAperture soft = toSoft(v, n);
         const CapLight light = capLight(random.direction(), random(1e-4, kPi / 2));
-        const float e = lightThroughSoft(n, soft, light, LIGHTS_ANY);
+        const float e = irradianceThroughSoft(n, soft, light, LIGHTS_ANY);
         ASSERT_TRUE(std::isfinite(soft.offset) && std::isfinite(length(soft.slope)));
-        ASSERT_TRUE(e >= 0 && e <= 1.001f * lightAboveHorizon(n, light) + 1e-12f);
+        ASSERT_TRUE(e >= 0 && e <= 1.001f * irradianceAboveHorizon(n, light) + 1e-12f);
     }
 }
 
@@ -231,7 +231,7 @@ TEST(Soft, OfAnEvenHazeIsTheHaze) {
     const SoftAperture soft = toSoft({float(kPi) * 0.3f * n, float(2 * kPi) * 0.3f}, n);
     EXPECT_LT(length(soft.slope), 0.02f);
     const CapLight light = capLight(normalize(dvec3(1, 1, 0)), 0.1);
-    EXPECT_NEAR(lightThroughSoft(n, soft, light, LIGHTS_ANY) / lightAboveHorizon(n, light), 0.3, 0.003);
+    EXPECT_NEAR(irradianceThroughSoft(n, soft, light, LIGHTS_ANY) / irradianceAboveHorizon(n, light), 0.3, 0.003);
 }
 
 }  // namespace

@@ -21,16 +21,16 @@ double exhaustive() {
     return share ? std::atof(share) : 0;
 }
 
-std::vector<float> onDevice(const Gpu& gpu, int model, int size, const std::vector<Evaluation>& inputs, bool half = false) {
+std::vector<float> onDevice(const Gpu& gpu, int model, int lightClass, const std::vector<Evaluation>& inputs, bool half = false) {
     std::vector<float> out;
-    for (const vec2& e : evaluateOnDevice(gpu, model, size, inputs, half)) out.push_back(e.x);
+    for (const vec2& e : evaluateOnDevice(gpu, model, lightClass, inputs, half)) out.push_back(e.x);
     return out;
 }
 
 TEST(Stability, NoInputGivesWhatIsNotANumberOrTooMuchLight) {
     const uint64_t inputs = std::max(uint64_t(100000), uint64_t(exhaustive() * 1e9 / 15));
     for (const Model& model : models()) {
-        const HostileCount count = countHostile(model, 1, inputs);
+        const FuzzCount count = countFuzz(model, 1, inputs);
         if (model.id == MODEL_OAT) {
             EXPECT_GT(count.notFinite, 0u) << "the published formula is not a number where the axes are opposite";
         } else {
@@ -50,7 +50,7 @@ TEST(Stability, NorDoesItOnTheDevice) {
     const uint64_t inputs = std::max(uint64_t(10000), uint64_t(exhaustive() * 1e7 / 15));
     for (const Model& model : models()) {
         if (model.baseline) continue;
-        const HostileCount count = countHostile(model, 2, inputs, [&](int id, int size, const std::vector<Evaluation>& e) { return onDevice(gpu, id, size, e); });
+        const FuzzCount count = countFuzz(model, 2, inputs, [&](int id, int lightClass, const std::vector<Evaluation>& e) { return onDevice(gpu, id, lightClass, e); });
         EXPECT_EQ(count.notFinite, 0u) << model.name;
         EXPECT_EQ(count.outside, 0u) << model.name;
     }
@@ -67,7 +67,7 @@ TEST(Stability, SixteenBitFloatsAreEnough) {
     for (const char* name : {"statue", "canyon"}) scenes.push_back(makeBuiltin(name));
     std::vector<const Model*> asked;
     for (const char* name : {"aperture", "soft", "firm-2", "soft-2", "soft-l2", "firm-4", "multi-2", "cap-anti"}) asked.push_back(findModel(name));
-    for (const HalfError& e : measureHalf(scenes, asked, 6, 256, 1, {0.27, 5}, [&](int id, int size, const std::vector<Evaluation>& all) { return onDevice(gpu, id, size, all, true); })) {
+    for (const HalfError& e : measureHalf(scenes, asked, 6, 256, 1, {0.27, 5}, [&](int id, int lightClass, const std::vector<Evaluation>& all) { return onDevice(gpu, id, lightClass, all, true); })) {
         EXPECT_EQ(e.notFinite, 0) << e.model << ", " << e.radius;
         EXPECT_LE(e.rms, 0.01) << e.model << ", " << e.radius;
         EXPECT_GE(e.rms, 1e-4) << e.model << ", " << e.radius << ": were these 32 bits?";
@@ -173,7 +173,7 @@ TEST(Stability, EveryPackedValueIsPossible) {
         const CapLight light = capLight(random.direction(), 0.7 * random());
         for (const Model& model : models()) {
             if (!model.fromVisibility || model.id == MODEL_OAT) continue;
-            const float e = lightThrough(model.id, toReceiver(model, v, up), light, lightsOf(light.sinRadius));
+            const float e = irradianceThrough(model.id, toReceiver(model, v, up), light, lightClassOf(light.sinRadius));
             ASSERT_TRUE(e >= -1e-6f && e <= 1.016f * light.area) << model.name << " " << int(bytes[0]) << " " << int(bytes[1]) << " " << int(bytes[2]) << " " << int(bytes[3]);
         }
     }

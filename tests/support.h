@@ -49,7 +49,7 @@ inline Aperture capAperture(const glm::dvec3& axis, double radius) {
 
 // E / (pi sin^2 r) of a cap light, in float32, and exactly.
 inline double normalised(float e, double radius) { return e / (kPi * std::sin(radius) * std::sin(radius)); }
-inline double exactShare(const glm::dvec3& normal, std::vector<ExactCap> caps, double lightRadius) {
+inline double exactFraction(const glm::dvec3& normal, std::vector<ExactCap> caps, double lightRadius) {
     caps.push_back({normal, kPi / 2});
     return glm::dot(normal, vectorIrradiance(caps)) / (kPi * std::sin(lightRadius) * std::sin(lightRadius));
 }

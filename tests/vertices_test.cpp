@@ -21,7 +21,7 @@ Scene sceneOf(std::vector<Surface> surfaces, const glm::mat4& transform = glm::m
 
 struct Baked {
     BakedVisibility visibility;
-    Doubts doubts;
+    MeshIssues issues;
     std::vector<double> open(size_t instance = 0) const {  // shares of the hemisphere
         std::vector<double> out;
         for (const Visibility& v : visibility[instance].visibility) out.push_back(v.area / (2 * kPi));
@@ -31,7 +31,7 @@ struct Baked {
 
 Baked bake(const Scene& scene) {
     Baked out;
-    out.visibility = bakeVertices(scene, Tracer(scene), {.rays = 256}, {}, &out.doubts);
+    out.visibility = bakeVertices(scene, Tracer(scene), {.rays = 256}, {}, &out.issues);
     return out;
 }
 
@@ -121,8 +121,8 @@ TEST(Vertices, TrianglesOfNoAreaAreCountedAndBlockNothing) {
     plane.triangles.push_back({3, 3, 4});
     plane.triangles.push_back({7, 7, 7});
     const Baked baked = bake(sceneOf({plane}));
-    EXPECT_EQ(baked.doubts.degenerate, 3u);
-    EXPECT_EQ(baked.doubts.withoutFaces, 3u);
+    EXPECT_EQ(baked.issues.degenerate, 3u);
+    EXPECT_EQ(baked.issues.withoutFaces, 3u);
     for (const double open : baked.open()) EXPECT_NEAR(open, 1, 1e-6);
 }
 
@@ -132,8 +132,8 @@ TEST(Vertices, GroundUnderABoxIsNotBlackAroundIt) {
     addBox(box, {-1.4, 0, -1.4}, {1.4, 1, 1.4}, 0.1);
     const Scene scene = sceneOf({panel({-6, 0, 6}, {12, 0, 0}, {0, 0, -12}, 1), box});
     const Baked baked = bake(scene);
-    EXPECT_EQ(baked.doubts.moved, 8u);   // the ring of nine vertices but the middle one,
-    EXPECT_EQ(baked.doubts.buried, 1u);  // whose triangles are all inside
+    EXPECT_EQ(baked.issues.moved, 8u);   // the ring of nine vertices but the middle one,
+    EXPECT_EQ(baked.issues.buried, 1u);  // whose triangles are all inside
     const Surface& ground = scene.surfaces[0];
     int inside = 0;
     for (size_t v = 0; v < ground.positions.size(); ++v) {
@@ -165,8 +165,8 @@ TEST(Vertices, LargeTrianglesAreCounted) {
     // Squares of a fifteenth and a thirtieth of the panel: their diagonals are a fifteenth and a thirtieth of its own.
     for (const auto& [cell, large] : {std::pair(1.0, 2u * 15 * 15), std::pair(0.5, 0u)}) {
         const Baked baked = bake(sceneOf({panel({0, 0, 15}, {15, 0, 0}, {0, 0, -15}, cell)}));
-        EXPECT_EQ(baked.doubts.large, large) << cell;
-        EXPECT_EQ(describe(baked.doubts).size(), large > 0 ? 1u : 0u);
+        EXPECT_EQ(baked.issues.large, large) << cell;
+        EXPECT_EQ(describe(baked.issues).size(), large > 0 ? 1u : 0u);
     }
 }
 
@@ -174,12 +174,12 @@ TEST(Vertices, WindingAgainstNormalsIsSaidAndTheNormalsCount) {
     Surface flipped = blob();
     for (auto& t : flipped.triangles) std::swap(t[1], t[2]);
     const Baked straight = bake(sceneOf({blob()})), turned = bake(sceneOf({flipped}));
-    EXPECT_EQ(straight.doubts.inverted, 0u);
-    EXPECT_EQ(turned.doubts.inverted, flipped.triangles.size());
+    EXPECT_EQ(straight.issues.inverted, 0u);
+    EXPECT_EQ(turned.issues.inverted, flipped.triangles.size());
     EXPECT_EQ(turned.open(), straight.open());
     // A mirroring transform turns both.
     const Baked mirrored = bake(sceneOf({blob()}, glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1))));
-    EXPECT_EQ(mirrored.doubts.inverted, 0u);
+    EXPECT_EQ(mirrored.issues.inverted, 0u);
     for (const double open : mirrored.open()) EXPECT_GT(open, 0.3);
 }
 
@@ -188,7 +188,7 @@ TEST(Vertices, NormalBehindItsFacesLooksOutOnTheirSide) {
     const std::vector<double> straight = bake(sceneOf({bad})).open();
     for (size_t v = 0; v < bad.normals.size(); v += 50) bad.normals[v] = -bad.normals[v];
     const Baked baked = bake(sceneOf({bad}));
-    EXPECT_EQ(baked.doubts.against, (bad.normals.size() + 49) / 50);
+    EXPECT_EQ(baked.issues.against, (bad.normals.size() + 49) / 50);
     for (size_t v = 0; v < bad.normals.size(); v += 50) EXPECT_NEAR(baked.open()[v], straight[v], 0.05);
 }
 
@@ -200,8 +200,8 @@ TEST(Vertices, AMinorityWoundTheOtherWayIsBelievedToo) {
     addBlob(two, {5, 0, 0}, 16, one);
     for (size_t t = first; t < two.triangles.size(); ++t) std::swap(two.triangles[t][1], two.triangles[t][2]);
     const Baked baked = bake(sceneOf({two}));
-    EXPECT_EQ(baked.doubts.inverted, two.triangles.size() - first);
-    EXPECT_EQ(baked.doubts.against + baked.doubts.buried + baked.doubts.moved, 0u);
+    EXPECT_EQ(baked.issues.inverted, two.triangles.size() - first);
+    EXPECT_EQ(baked.issues.against + baked.issues.buried + baked.issues.moved, 0u);
     for (const double open : baked.open()) EXPECT_GT(open, 0.9);
 }
 
@@ -210,7 +210,7 @@ TEST(Vertices, SteepSheetsWithUprightNormalsAreNotInsideThemselves) {
         Surface sheet = panel({-1, -slope, 1}, {2, 2 * slope, 0}, {0, 0, -2}, 0.25);
         for (glm::vec3& n : sheet.normals) n = glm::vec3(0, 1, 0);
         const Baked baked = bake(sceneOf({sheet}));
-        EXPECT_EQ(baked.doubts.moved + baked.doubts.buried + baked.doubts.against, 0u) << slope;
+        EXPECT_EQ(baked.issues.moved + baked.issues.buried + baked.issues.against, 0u) << slope;
         const double expected = 1 - std::atan(slope) / kPi;  // what rises of the sheet is a lune of the hemisphere
         for (const double open : baked.open()) {
             EXPECT_GE(open, expected - 0.03) << slope;
@@ -231,7 +231,7 @@ TEST(Vertices, AGroundUnderAWallOfTwoSheetsKeepsToItsSide) {
         Surface sheet = flagged ? front : wall;
         sheet.twoSided = flagged;
         const Baked baked = bake(sceneOf({ground, sheet}));
-        EXPECT_EQ(baked.doubts.moved, 0u) << flagged;
+        EXPECT_EQ(baked.issues.moved, 0u) << flagged;
         for (size_t v = 0; v < ground.positions.size(); ++v)
             if (std::abs(ground.positions[v].x) < 0.01f && std::abs(ground.positions[v].z) < 5) {
                 EXPECT_LT(baked.visibility[0].visibility[v].direction.x, 0) << flagged;
@@ -244,8 +244,8 @@ TEST(Vertices, FacesBothWaysBetweenSharedVerticesAreFaces) {
     const auto triangles = both.triangles;
     for (const auto& t : triangles) both.triangles.push_back({t[0], t[2], t[1]});
     const Baked baked = bake(sceneOf({both}));
-    EXPECT_EQ(baked.doubts.withoutFaces, 0u);
-    EXPECT_EQ(baked.doubts.degenerate, 0u);
+    EXPECT_EQ(baked.issues.withoutFaces, 0u);
+    EXPECT_EQ(baked.issues.degenerate, 0u);
 }
 
 TEST(Vertices, InstancesOfTinyNumbersUnderLargeScalesBlock) {
@@ -266,12 +266,12 @@ TEST(Vertices, PointInsideAClosedSolidIsCountedAndClosed) {
     Surface inner;
     addBlob(inner, {0, 0, 0}, 16, [](const glm::dvec3&) { return 0.3; });
     const Baked baked = bake(sceneOf({blob(), inner}));
-    EXPECT_EQ(baked.doubts.buried, inner.positions.size());
-    EXPECT_EQ(baked.doubts.moved, 0u);
+    EXPECT_EQ(baked.issues.buried, inner.positions.size());
+    EXPECT_EQ(baked.issues.moved, 0u);
     for (const double open : baked.open(1)) EXPECT_EQ(open, 0);
-    EXPECT_GT(baked.doubts.large, 0u);
-    EXPECT_EQ(describe(baked.doubts).size(), 2u);
-    EXPECT_TRUE(describe(Doubts{}).empty());
+    EXPECT_GT(baked.issues.large, 0u);
+    EXPECT_EQ(describe(baked.issues).size(), 2u);
+    EXPECT_TRUE(describe(MeshIssues{}).empty());
 }
 
 }  // namespace

@@ -38,13 +38,13 @@ void run(const Arguments& a) {
     info.maxDistance = a.bake.maxDistance;
     if (a.model == "auto") info.tolerance = a.bake.tolerance;
     BakedVisibility visibility;
-    Doubts doubts;
+    MeshIssues issues;
     {
         ProgressBar bar("baking");
         const Progress progress = bar.callback();
         const Tracer tracer(scene, progress);
         info.rayOffset = tracer.offset();
-        visibility = bakeVertices(scene, tracer, a.bake, progress, &doubts);
+        visibility = bakeVertices(scene, tracer, a.bake, progress, &issues);
     }
     writeAsset(a.out, scene, visibility, info);
     size_t vertices = 0, closed = 0;
@@ -58,7 +58,7 @@ void run(const Arguments& a) {
     if (double(closed) > kNearlyAll * double(vertices))
         std::printf("  %zu of %zu vertices see nothing of the sky: a closed room, or faces that are wound inside out\n", closed, vertices);
     for (const std::string& note : scene.notes) std::printf("  %s\n", printable(note).c_str());
-    for (const std::string& line : describe(doubts)) std::printf("  %s\n", line.c_str());
+    for (const std::string& line : describe(issues)) std::printf("  %s\n", line.c_str());
 }
 
 std::string whyNoRecipe(const std::string& name) {

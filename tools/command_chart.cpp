@@ -45,7 +45,7 @@ std::vector<CostCase> casesOf(const std::vector<const Model*>& asked) {
     std::vector<CostCase> out;
     for (const Model& model : models())
         if (model.id == MODEL_UNSHADOWED || asked.empty() || std::find(asked.begin(), asked.end(), &model) != asked.end())
-            for (int size : kSizes) out.push_back({model.id, size});
+            for (int lightClass : kSizes) out.push_back({model.id, lightClass});
     return out;
 }
 
@@ -64,14 +64,14 @@ std::vector<CompiledCost> costsOn(const char* family, const std::vector<CostCase
     const std::string driver = radeonDriver();
     if (driver.empty()) throw Error("Mesa's driver for Radeons (RADV) is not installed");
     std::vector<CompiledCost> costs;
-    const auto compile = [&](ParcelWriter& out) {
+    const auto compile = [&](PipeWriter& out) {
         setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
         setenv("VK_DRIVER_FILES", driver.c_str(), 1);
         setenv("RADV_FORCE_FAMILY", family, 1);
         const Gpu gpu({.statistics = true});
         out.put(compiledCosts(gpu, cases));
     };
-    runIsolated("RADV", {900, 0x1p32}, compile, [&](ParcelReader& in) { costs = in.take<CompiledCost>(); });
+    runIsolated("RADV", {900, 0x1p32}, compile, [&](PipeReader& in) { costs = in.take<CompiledCost>(); });
     return costs;
 }
 
@@ -82,7 +82,7 @@ Costs measureCosts(const std::vector<CostCase>& cases) {
             const std::vector<CompiledCost> costs = costsOn(family, cases);
             for (size_t i = 0; i < cases.size(); ++i) {
                 const size_t base = i % std::size(kSizes);  // models()[0] is N.L alone
-                out.cycles[family][{cases[i].model, cases[i].size}] = costs[i].cycles - costs[base].cycles;
+                out.cycles[family][{cases[i].model, cases[i].lightClass}] = costs[i].cycles - costs[base].cycles;
             }
         }
     } catch (const Error& e) {
@@ -93,7 +93,7 @@ Costs measureCosts(const std::vector<CostCase>& cases) {
         const Gpu gpu;
         const std::vector<double> seconds = measuredCosts(gpu, cases, 1 << 16, 5);
         for (size_t i = 0; i < cases.size(); ++i)
-            out.time[{cases[i].model, cases[i].size}] = seconds[i] / seconds[i % std::size(kSizes)];
+            out.time[{cases[i].model, cases[i].lightClass}] = seconds[i] / seconds[i % std::size(kSizes)];
         out.device = gpu.name();
     } catch (const Error& e) {
         std::fprintf(stderr, "apertura: no times of a device, their column stays empty: %s\n", e.what());
@@ -115,7 +115,7 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
     options.threads = 1;
     const FitTools tools(options.rays);
     FitOptions how;
-    how.price = 1 / (how.tolerance * how.tolerance);
+    how.lambda = 1 / (how.tolerance * how.tolerance);
     std::vector<std::pair<Samples, mat3>> samples;
     const auto start = Clock::now();
     samplePoints(RayOcclusion(tracer), points, tools.lattice, options.seed, 1, {}, [&](size_t, const Samples& s, const mat3& frame) { samples.emplace_back(s, frame); });
@@ -159,7 +159,7 @@ std::string toCsv(const std::vector<Measurement>& all, const Costs& costs, const
             if (r.source == "rays" && findModel(r.model)->fromVisibility) continue;  // the same as from sh
             out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << r.numbers << ',' << r.bytes << ',' << r.lightRadius << ','
                 << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise << ',' << r.ambient << ',' << r.leakMax << ',' << r.leak99;
-            const std::pair key(findModel(r.model)->id, lightsOf(float(std::sin(r.lightRadius * PI / 180))));
+            const std::pair key(findModel(r.model)->id, lightClassOf(float(std::sin(r.lightRadius * PI / 180))));
             for (const char* family : kFamilies) {
                 out << ',';
                 if (costs.cycles.contains(family)) out << costs.cycles.at(family).at(key);

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/asset/asset.h"
-#include "runtime/asset/form_stream.h"
+#include "runtime/asset/params_stream.h"
 #include "sh/packing.h"
 #include "sh/shading.h"
 #include "tools/commands.h"
@@ -17,10 +17,10 @@ nlohmann::ordered_json describeChoices(const Asset& asset) {
     std::vector<size_t> counts(models().size());
     size_t vertices = 0, unreached = 0;
     for (const SeenByInstance& seen : asset.seen)
-        for (const Form& form : seen.forms) {
+        for (const ModelParams& params : seen.allParams) {
             ++vertices;
-            ++counts[size_t(chosenModel(MODEL_AUTO, form))];
-            unreached += form[4].z > 0.5f;
+            ++counts[size_t(chosenModel(MODEL_AUTO, params))];
+            unreached += params[4].z > 0.5f;
         }
     nlohmann::ordered_json shares = nlohmann::json::object();
     double numbers = 0;

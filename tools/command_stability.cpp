@@ -32,7 +32,7 @@ const char* const kHalfScenes[] = {"terrain", "room-1", "statue", "canyon"};
 
 struct ModelReport {
     const Model* model;
-    HostileCount here, onDevice;
+    FuzzCount here, onDevice;
     double error = 0, step = 0, sceneStep = 0, half = -1;
     std::string errorIn, stepIn, sceneStepIn;
 };
@@ -127,15 +127,15 @@ void run(const Arguments& a) {
     FrameEvaluator device, half;
     try {
         gpu.emplace();
-        device = [&](int model, int size, const std::vector<Evaluation>& inputs) {
+        device = [&](int model, int lightClass, const std::vector<Evaluation>& inputs) {
             std::vector<float> out;
-            for (const vec2& e : evaluateOnDevice(*gpu, model, size, inputs)) out.push_back(e.x);
+            for (const vec2& e : evaluateOnDevice(*gpu, model, lightClass, inputs)) out.push_back(e.x);
             return out;
         };
         if (gpu->hasHalf())
-            half = [&](int model, int size, const std::vector<Evaluation>& inputs) {
+            half = [&](int model, int lightClass, const std::vector<Evaluation>& inputs) {
                 std::vector<float> out;
-                for (const vec2& e : evaluateOnDevice(*gpu, model, size, inputs, true)) out.push_back(e.x);
+                for (const vec2& e : evaluateOnDevice(*gpu, model, lightClass, inputs, true)) out.push_back(e.x);
                 return out;
             };
     } catch (const Error& e) {
@@ -158,8 +158,8 @@ void run(const Arguments& a) {
         const std::vector<Sweep> all = singularSweeps();
         for (size_t m = 0; m < asked.size(); ++m) {
             const Model& model = *asked[m];
-            ModelReport report{&model, countHostile(model, a.seed, a.inputs), {}};
-            if (device) report.onDevice = countHostile(model, a.seed + 1, a.deviceInputs, device);
+            ModelReport report{&model, countFuzz(model, a.seed, a.inputs), {}};
+            if (device) report.onDevice = countFuzz(model, a.seed + 1, a.deviceInputs, device);
             for (const Sweep& sweep : all) {
                 const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);
                 if (row.error > report.error) report.error = row.error, report.errorIn = row.sweep;

@@ -36,12 +36,12 @@ double probeError(const FitTools& tools, const FitTools::Probes& probes, const S
 std::vector<float> visibleTo(const SampleLattice& lattice, int model, const BakedPoint& point) {
     const vec3 normal(0, 0, 1);
     const Model& lit = models()[size_t(model)];
-    const Receiver receiver = toReceiver(point.visibility, toForm(lit, point.visibility, lit.storedFields ? &point.form : nullptr, normal), normal);
+    const Receiver receiver = toReceiver(point.visibility, toParams(lit, point.visibility, lit.storedFields ? &point.params : nullptr, normal), normal);
     std::vector<float> out;
     const float s = 1e-3f;
     for (const vec3& w : lattice.directions()) {
         const CapLight light = capLight(w, s);
-        out.push_back(lightThrough(model, receiver, light, LIGHTS_SUN) / std::max(lightOnSurface(normal, light, LIGHTS_SUN), 1e-12f));
+        out.push_back(irradianceThrough(model, receiver, light, LIGHTS_SUN) / std::max(unoccludedIrradiance(normal, light, LIGHTS_SUN), 1e-12f));
     }
     return out;
 }
@@ -64,18 +64,18 @@ BakedPoint makeCandidate(const Candidate& candidate, const FitTools& tools, cons
     const std::vector<float> visible = visibleTo(tools.lattice, candidate.model, point);
     error = 0;
     for (const FitTools::Probes& probes : tools.probes) error = std::max(error, probeError(tools, probes, samples, visible));
-    point.form[4].y = float(candidate.model);
+    point.params[4].y = float(candidate.model);
     return point;
 }
 
 // Candidates are tried from the least on, and no further than the first within the tolerance. Calls
 // error(i) for each; returns the one to take.
-int pick(double tolerance, double price, auto&& error, bool& reached) {
+int pick(double tolerance, double lambda, auto&& error, bool& reached) {
     int best = 0;
     double least = 1e30;
     reached = false;
     for (int i = 0; i < kCandidates && !reached; ++i) {
-        const double e = error(i), cost = kCandidate[i].numbers() + price * e * e;
+        const double e = error(i), cost = kCandidate[i].numbers() + lambda * e * e;
         if (cost < least) least = cost, best = i;
         reached = e <= tolerance;
     }
@@ -90,12 +90,12 @@ CandidateErrors tryCandidates(const FitTools& tools, const Samples& samples, con
     return out;
 }
 
-double priceFor(std::span<const CandidateErrors> points, double tolerance) {
-    auto rmse = [&](double price) {
+double lambdaFor(std::span<const CandidateErrors> points, double tolerance) {
+    auto rmse = [&](double lambda) {
         double sum = 0;
         for (const CandidateErrors& errors : points) {
             bool reached;
-            const double e = errors[size_t(pick(tolerance, price, [&](int i) { return errors[size_t(i)]; }, reached))];
+            const double e = errors[size_t(pick(tolerance, lambda, [&](int i) { return errors[size_t(i)]; }, reached))];
             sum += e * e;
         }
         return std::sqrt(sum / double(points.size()));
@@ -113,14 +113,14 @@ BakedPoint chooseModel(const FitTools& tools, const Samples& samples, const mat3
     BakedPoint made[kCandidates];
     bool reached;
     const int best = pick(
-        options.tolerance, options.price,
+        options.tolerance, options.lambda,
         [&](int i) {
             double error;
             made[i] = makeCandidate(kCandidate[i], tools, samples, frame, error);
             return error;
         },
         reached);
-    made[best].form[4].z = reached ? 0 : 1;
+    made[best].params[4].z = reached ? 0 : 1;
     return made[best];
 }
 

@@ -21,11 +21,11 @@ using CandidateErrors = std::array<double, kCandidates>;  // the larger of the t
 CandidateErrors tryCandidates(const FitTools& tools, const Samples& samples, const mat3& frame);
 
 // Fewest numbers for an RMSE over all points of `tolerance`: every point takes the candidate with the least
-// numbers + price * error^2, and this is the price at which it comes out so. Where no model reaches it, the
-// price ends where a further number gains less than a third of the squared tolerance.
-double priceFor(std::span<const CandidateErrors> points, double tolerance);
+// numbers + lambda * error^2, and this is the lambda at which it comes out so. Where no model reaches it, the
+// lambda ends where a further number gains less than a third of the squared tolerance.
+double lambdaFor(std::span<const CandidateErrors> points, double tolerance);
 
-// Recipe's `make`, at the options' price. form[4] has the chosen model in y and, where no candidate comes
+// Recipe's `make`, at the options' lambda. params[4] has the chosen model in y and, where no candidate comes
 // within the tolerance at this point, 1 in z.
 BakedPoint chooseModel(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options);
 

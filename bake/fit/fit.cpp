@@ -9,7 +9,7 @@
 namespace apertura {
 namespace {
 
-constexpr float kCapFirmness = 120;   // of the soft-edged stand-ins that caps are fitted as
+constexpr float kCapSharpness = 120;   // of the soft-edged stand-ins that caps are fitted as
 constexpr int kLongSteps = 40;        // where there is one start and its way is long
 constexpr float kAmbientWeight = 60;  // keeps the sky's light right to about 0.003
 
@@ -71,12 +71,12 @@ BakedPoint fittedSh(const FitTools&, const Samples& samples, const mat3&, const 
 }
 
 // Two hard edges are found from few starts: more would err less by a fiftieth, at a third of the speed.
-LobeFitOptions firmly(int lobes, float firmness) {
+LobeFitOptions hardLobes(int lobes, float sharpness) {
     LobeFitOptions how;
     how.lobes = lobes;
-    how.firmness = firmness;
+    how.sharpness = sharpness;
     how.pairs = true;
-    if (lobes != 2 || firmness == 0) {
+    if (lobes != 2 || sharpness == 0) {
         how.starts = 6;
         how.firstSteps = 6;
         how.steps = 20;
@@ -85,7 +85,7 @@ LobeFitOptions firmly(int lobes, float firmness) {
 }
 
 LobeFitOptions asCaps(int lobes) {
-    LobeFitOptions how = firmly(lobes, kCapFirmness);
+    LobeFitOptions how = hardLobes(lobes, kCapSharpness);
     how.pairs = false;
     return how;
 }
@@ -107,24 +107,24 @@ BakedPoint fittedAnti(const FitTools& tools, const Samples& samples, const mat3&
 
 template <int K>
 BakedPoint caps(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Inverse, asCaps(K));
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Complement, asCaps(K));
     BakedPoint out{project(samples), {}};
-    for (int k = 0; k < K; ++k) out.form[k] = toCap(fit.lobes[k], true);
+    for (int k = 0; k < K; ++k) out.params[k] = toCap(fit.lobes[k], true);
     return out;
 }
 
 BakedPoint capAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
     const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, asCaps(2));
-    return {project(samples), {toCap(fit.lobes[0], false), toCap(fit.lobes[1], false), vec4(fit.inverse, 0, 0, 0)}};
+    return {project(samples), {toCap(fit.lobes[0], false), toCap(fit.lobes[1], false), vec4(fit.complement, 0, 0, 0)}};
 }
 
-template <int K, bool Firm>
+template <int K, bool Hard>
 BakedPoint lobes(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, firmly(K, Firm ? kFirmness : 0));
+    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, hardLobes(K, Hard ? kHardSharpness : 0));
     BakedPoint out{project(samples), {}};
-    for (int k = 0; k < K; ++k) out.form[k] = fit.lobes[k];
-    out.form[K].x = fit.inverse ? 1 : 0;
-    out.form[K].w = float(fit.pairs);
+    for (int k = 0; k < K; ++k) out.params[k] = fit.lobes[k];
+    out.params[K].x = fit.complement ? 1 : 0;
+    out.params[K].w = float(fit.pairs);
     return out;
 }
 
@@ -142,7 +142,7 @@ BakedPoint bands(const FitTools&, const Samples& samples, const mat3&, const Fit
     for (size_t i = 0; i < lattice.directions().size(); ++i) {
         if (!samples.isOpen(i)) continue;
         const HighBands y = highBands(lattice.directions()[i]);
-        for (int c = 0; c < 6; ++c) out.form[c] += float(lattice.solidAngle()) * y.c[c];
+        for (int c = 0; c < 6; ++c) out.params[c] += float(lattice.solidAngle()) * y.c[c];
     }
     return out;
 }
@@ -152,7 +152,7 @@ BakedPoint heights(const FitTools&, const Samples& samples, const mat3& frame, c
     const SampleLattice& lattice = *samples.lattice;
     const vec3 normal = frame[2], tangent = tangentTo(normal), side = cross(normal, tangent);
     BakedPoint out{project(samples), {}};
-    float* height = &out.form[0].x;
+    float* height = &out.params[0].x;
     for (size_t i = 0; i < lattice.directions().size(); ++i) {
         if (samples.isOpen(i)) continue;
         const vec3 w = lattice.directions()[i], world = frame * w;
@@ -206,7 +206,7 @@ const Recipe* findRecipe(std::string_view name) {
 BakedPoint makePoint(const Recipe& recipe, const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options) {
     BakedPoint out = recipe.make(tools, samples, frame, options);
     out.visibility.direction = frame * out.visibility.direction;
-    if (recipe.model >= 0) out.form = rotateForm(models()[size_t(chosenModel(recipe.model, out.form))], out.form, frame);
+    if (recipe.model >= 0) out.params = rotateParams(models()[size_t(chosenModel(recipe.model, out.params))], out.params, frame);
     return out;
 }
 

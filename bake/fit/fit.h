@@ -10,7 +10,7 @@ namespace apertura {
 // A point as a model has it; directions in the frame of the samples, until they are turned.
 struct BakedPoint {
     Visibility visibility;
-    Form form{};  // of stored models
+    ModelParams params{};  // of stored models
 };
 
 // What fitting keeps from point to point: the lattice, and dictionaries over it.
@@ -30,7 +30,7 @@ struct FitTools {
 
 struct FitOptions {
     double tolerance = 0.05;  // of `auto`: RMSE of E / (L pi sin^2 r)
-    double price = 0;         // of `auto`: stored numbers that a unit of squared error is worth; see bake/choose.h
+    double lambda = 0;        // of `auto`: stored numbers that a unit of squared error is worth; see bake/fit/choose.h
 };
 
 // A way to make a model from rays: one line of `compare`, and one name for `bake --model`.

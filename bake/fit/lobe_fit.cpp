@@ -17,7 +17,7 @@ namespace {
 // The sharpest that an edge is made: harder than any mesh can show. Of a quadric, what its bytes can hold.
 template <int M>
 constexpr float kSlopeLimit = M == 4 ? 500 : 60;
-constexpr float kFirstFirmness = 30;  // of lobes and caps on their way to a hard edge
+constexpr float kFirstSharpness = 30;  // of lobes and caps on their way to a hard edge
 constexpr double kSlopeCost = 1e-10;  // keeps lobes that nothing in the samples bounds from running away
 
 // Solves A x = b by Cholesky's method, from A's lower half; false where A is not positive definite.
@@ -46,18 +46,18 @@ bool solve(std::array<std::array<double, N>, N>& a, std::array<double, N>& b) {
     return true;
 }
 
-// K lobes of M parameters, each a coefficient of a feature; Firm: slopes of a given length; L pairs, as sumLobes.
-template <int K, int M, bool Firm, int L>
+// K lobes of M parameters, each a coefficient of a feature; Hard: slopes of a given length; L pairs, as sumLobes.
+template <int K, int M, bool Hard, int L>
 struct Fitter {
     static constexpr int N = K * M;  // parameters
-    static constexpr int kColumns = LobeSums<K, M, Firm>::kColumns, kFree = K * kColumns;
+    static constexpr int kColumns = LobeSums<K, M, Hard>::kColumns, kFree = K * kColumns;
     using Parameters = std::array<float, N>;
     using Vector = std::array<double, kFree>;
     using Matrix = std::array<Vector, kFree>;
 
     const SampleLattice& lattice;
     const float* open;
-    bool inverse;
+    bool complement;
     const LobeFitOptions& options;
 
     struct Sums {
@@ -69,29 +69,29 @@ struct Fitter {
 
     // The residual of a patch is the sum of cos (V - samples) over it: what a small light there would be off by.
     Sums evaluate(const Parameters& p, bool derivatives) const {
-        PatchedSamples samples{{}, open, lattice.blocks, lattice.patchSize, SampleLattice::kGroup, options.groupWeight, inverse};
+        PatchedSamples samples{{}, open, lattice.blocks, lattice.patchSize, SampleLattice::kGroup, options.groupWeight, complement};
         for (int f = 0; f < SampleLattice::kFeatures; ++f) samples.feature[f] = lattice.feature[f].data();
         Sums out;
-        if constexpr (Firm)
+        if constexpr (Hard)
             for (int k = 0; k < K; ++k) {
                 const glm::vec3 axis = glm::normalize(glm::vec3(p[k * M + 1], p[k * M + 2], p[k * M + 3]));
                 out.tangents[2 * k] = tangentTo(axis);
                 out.tangents[2 * k + 1] = glm::cross(axis, out.tangents[2 * k]);
             }
-        LobeSums<K, M, Firm> sums;
-        sumLobes<K, M, Firm, L>(samples, p.data(), &out.tangents[0].x, derivatives, sums);
+        LobeSums<K, M, Hard> sums;
+        sumLobes<K, M, Hard, L>(samples, p.data(), &out.tangents[0].x, derivatives, sums);
         // A patch of one sample has cos2's mean of 1/3 as its largest mean square.
         const double rays = lattice.rays(), scale = 3 / (rays * lattice.patchSize), pull = 3 * options.ambientWeight / (rays * rays);
         const double tilt = sums.sums[kFree];
         out.error = sums.products[kFree][kFree] * scale;
         out.cost = out.error + pull * tilt * tilt;
         for (int i = 0; i < N; ++i)
-            if (!Firm && i % M != 0) out.cost += kSlopeCost * p[i] * p[i];
+            if (!Hard && i % M != 0) out.cost += kSlopeCost * p[i] * p[i];
         if (!derivatives) return out;
         for (int i = 0; i < kFree; ++i) {
             out.gradient[i] = sums.products[kFree][i] * scale + pull * tilt * sums.sums[i];
             for (int j = 0; j <= i; ++j) out.hessian[i][j] = sums.products[i][j] * scale + pull * sums.sums[i] * sums.sums[j];
-            if (!Firm && i % M != 0) {
+            if (!Hard && i % M != 0) {
                 out.gradient[i] += kSlopeCost * p[i];
                 out.hessian[i][i] += kSlopeCost;
             }
@@ -108,7 +108,7 @@ struct Fitter {
             a[i][i] += damping * a[i][i] + 1e-9;
         }
         if (!solve<kFree>(a, b)) return false;
-        if constexpr (Firm) {
+        if constexpr (Hard) {
             for (int k = 0; k < K; ++k) {
                 out[k * M] = b[k * 3];
                 for (int c = 0; c < 3; ++c) out[k * M + 1 + c] = b[k * 3 + 1] * at.tangents[2 * k][c] + b[k * 3 + 2] * at.tangents[2 * k + 1][c];
@@ -119,12 +119,12 @@ struct Fitter {
         return true;
     }
 
-    void tidy(Parameters& p) const {
+    void normalise(Parameters& p) const {
         for (int k = 0; k < K; ++k) {
             float squared = 0;
             for (int m = 1; m < M; ++m) squared += p[k * M + m] * p[k * M + m];
             float scale = std::min(1.0f, kSlopeLimit<M> / std::sqrt(std::max(squared, 1e-12f)));
-            if (Firm) scale = options.firmness / std::sqrt(std::max(squared, 1e-12f));
+            if (Hard) scale = options.sharpness / std::sqrt(std::max(squared, 1e-12f));
             for (int m = 1; m < M; ++m) p[k * M + m] *= scale;
             p[k * M] = std::clamp(p[k * M] * scale, -3 * kSlopeLimit<M>, 3 * kSlopeLimit<M>);
         }
@@ -132,7 +132,7 @@ struct Fitter {
 
     // Levenberg and Marquardt from `p`.
     Sums descend(Parameters& p, int steps) const {
-        tidy(p);
+        normalise(p);
         Sums now = evaluate(p, true);
         double damping = 1e-2;
         for (int i = 0; i < steps; ++i) {
@@ -146,7 +146,7 @@ struct Fitter {
                 const double scale = std::min(1.0, (4 + std::sqrt(length)) / std::sqrt(std::max(moved, 1e-30)));
                 for (int m = 0; m < M; ++m) q[k * M + m] += float(scale * move[k * M + m]);
             }
-            tidy(q);
+            normalise(q);
             const Sums next = evaluate(q, true);
             if (next.cost < now.cost) {
                 const bool done = next.cost > now.cost * (1 - 1e-4);
@@ -165,13 +165,13 @@ struct Fitter {
     // The same, with a try at a much sharper edge for each lobe: the way there is long and flat.
     Sums run(Parameters& p, int steps) const {
         Sums now = descend(p, steps);
-        if constexpr (Firm) return now;
+        if constexpr (Hard) return now;
         bool sharpened = false;
         for (int k = 0; k < K; ++k)
             for (const float times : {2.0f, 5.0f}) {
                 Parameters q = p;
                 for (int m = 0; m < M; ++m) q[k * M + m] *= times;
-                tidy(q);
+                normalise(q);
                 if (const Sums there = evaluate(q, false); there.cost < now.cost) {
                     now.cost = there.cost;
                     p = q;
@@ -190,14 +190,14 @@ struct Cluster {
     glm::mat3 spread;  // the mean of (w - centre) (w - centre)^T
 };
 
-// What blocks (for an inverse fit, what is open) as `count` clusters, weighed by the cosine. The cluster that
-// spreads most is split across its longest axis, and all are settled by Lloyd's iteration.
-std::vector<Cluster> clusters(const Samples& samples, bool inverse, int count) {
+// What blocks (for the complement, what is open) as `count` clusters, weighed by the cosine. The cluster that
+// spreads most is split across its longest axis, and all are renormalised by Lloyd's iteration.
+std::vector<Cluster> clusters(const Samples& samples, bool complement, int count) {
     const SampleLattice& lattice = *samples.lattice;
     std::vector<glm::vec3> at;
     std::vector<float> weight;
     for (size_t i = 0; i < lattice.directions().size(); ++i)
-        if (samples.isOpen(i) == inverse) {
+        if (samples.isOpen(i) == complement) {
             at.push_back(lattice.directions()[i]);
             weight.push_back(at.back().z);
         }
@@ -276,38 +276,38 @@ template <int K>
 struct Best {
     std::array<float, K * 4> parameters{};
     double cost = 1e30;
-    bool inverse = false;
+    bool complement = false;
     int pairs = 0;
 };
 
-template <int K, bool Firm, int L>
-void tryStarts(const Samples& samples, bool inverse, const LobeFitOptions& options, std::span<const Arrangement> starts, Best<K>& best) {
+template <int K, bool Hard, int L>
+void tryStarts(const Samples& samples, bool complement, const LobeFitOptions& options, std::span<const Arrangement> starts, Best<K>& best) {
     // Edges as soft as samples are apart: harder ones would not feel where to go.
     LobeFitOptions hazy = options;
-    if (Firm) hazy.firmness = std::min(options.firmness, kFirstFirmness);
-    const float firmness = Firm ? hazy.firmness : 6;
-    const Fitter<K, 4, Firm, L> fitter{*samples.lattice, samples.open.data(), inverse, hazy};
+    if (Hard) hazy.sharpness = std::min(options.sharpness, kFirstSharpness);
+    const float sharpness = Hard ? hazy.sharpness : 6;
+    const Fitter<K, 4, Hard, L> fitter{*samples.lattice, samples.open.data(), complement, hazy};
     for (const Arrangement& start : starts) {
         std::array<float, K * 4> p;
         for (int k = 0; k < K; ++k) {
             const CapDictionary::Cap& cap = start[size_t(k)];
-            p[k * 4] = -firmness * cap.cosine;
-            for (int c = 0; c < 3; ++c) p[k * 4 + 1 + c] = firmness * cap.axis[c];
+            p[k * 4] = -sharpness * cap.cosine;
+            for (int c = 0; c < 3; ++c) p[k * 4 + 1 + c] = sharpness * cap.axis[c];
         }
         const double cost = fitter.descend(p, std::min(options.firstSteps, options.steps)).cost;
-        if (cost < best.cost) best = {p, cost, inverse, L};
+        if (cost < best.cost) best = {p, cost, complement, L};
     }
 }
 
-template <int K, bool Firm, int L>
+template <int K, bool Hard, int L>
 double finish(const Samples& samples, const LobeFitOptions& options, Best<K>& best) {
-    return Fitter<K, 4, Firm, L>{*samples.lattice, samples.open.data(), best.inverse, options}.run(best.parameters, options.steps).error;
+    return Fitter<K, 4, Hard, L>{*samples.lattice, samples.open.data(), best.complement, options}.run(best.parameters, options.steps).error;
 }
 
 // Every choice of which of the clusters the pairs leave out.
 template <int K, int L>
-std::vector<Arrangement> pairedStarts(const Samples& samples, bool inverse) {
-    const std::vector<Cluster> found = clusters(samples, inverse, K - L);
+std::vector<Arrangement> pairedStarts(const Samples& samples, bool complement) {
+    const std::vector<Cluster> found = clusters(samples, complement, K - L);
     std::vector<Arrangement> out;
     for (int paired = 0; paired < 1 << found.size(); ++paired) {
         if (std::popcount(unsigned(paired)) != L) continue;
@@ -321,35 +321,35 @@ std::vector<Arrangement> pairedStarts(const Samples& samples, bool inverse) {
     return out;
 }
 
-template <int K, bool Firm>
+template <int K, bool Hard>
 LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
     Best<K> best;
-    for (const bool inverse : {false, true}) {
-        if (sides != LobeFitSides::Both && inverse != (sides == LobeFitSides::Inverse)) continue;
+    for (const bool complement : {false, true}) {
+        if (sides != LobeFitSides::Both && complement != (sides == LobeFitSides::Complement)) continue;
         std::vector<uint64_t> bits = samples.bits;
-        if (inverse)
+        if (complement)
             for (size_t w = 0; w < bits.size(); ++w) bits[w] = ~bits[w] & samples.lattice->allBits[w];
-        std::vector<Arrangement> starts = pairedStarts<K, 0>(samples, inverse);
+        std::vector<Arrangement> starts = pairedStarts<K, 0>(samples, complement);
         for (const std::vector<int>& found : dictionary.nearest(bits, K, options.starts)) {
             Arrangement& caps = starts.emplace_back();
             for (int c : found) caps.push_back(dictionary.cap(size_t(c)));
         }
-        tryStarts<K, Firm, 0>(samples, inverse, options, starts, best);
+        tryStarts<K, Hard, 0>(samples, complement, options, starts, best);
         if (!options.pairs) continue;
-        if constexpr (Firm && K >= 3)
-            tryStarts<K, Firm, 1>(samples, inverse, options, pairedStarts<K, 1>(samples, inverse), best);
-        if constexpr (Firm && K >= 4) tryStarts<K, Firm, 2>(samples, inverse, options, pairedStarts<K, 2>(samples, inverse), best);
+        if constexpr (Hard && K >= 3)
+            tryStarts<K, Hard, 1>(samples, complement, options, pairedStarts<K, 1>(samples, complement), best);
+        if constexpr (Hard && K >= 4) tryStarts<K, Hard, 2>(samples, complement, options, pairedStarts<K, 2>(samples, complement), best);
     }
     LobeFit out;
     out.error = [&] {
-        if constexpr (Firm && K >= 4)
-            if (best.pairs == 2) return finish<K, Firm, 2>(samples, options, best);
-        if constexpr (Firm && K >= 3)
-            if (best.pairs == 1) return finish<K, Firm, 1>(samples, options, best);
-        return finish<K, Firm, 0>(samples, options, best);
+        if constexpr (Hard && K >= 4)
+            if (best.pairs == 2) return finish<K, Hard, 2>(samples, options, best);
+        if constexpr (Hard && K >= 3)
+            if (best.pairs == 1) return finish<K, Hard, 1>(samples, options, best);
+        return finish<K, Hard, 0>(samples, options, best);
     }();
     out.count = K;
-    out.inverse = best.inverse;
+    out.complement = best.complement;
     out.pairs = best.pairs;
     const auto& p = best.parameters;
     for (int k = 0; k < K; ++k) out.lobes[k] = {p[k * 4 + 1], p[k * 4 + 2], p[k * 4 + 3], p[k * 4]};
@@ -466,8 +466,8 @@ std::vector<std::vector<int>> CapDictionary::nearest(const std::vector<uint64_t>
 }
 
 LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options) {
-    assert(options.firmness > 0 || options.lobes <= 2);
-    const bool firm = options.firmness > 0;
+    assert(options.sharpness > 0 || options.lobes <= 2);
+    const bool firm = options.sharpness > 0;
     switch (options.lobes) {
         case 1: return (firm ? fitCount<1, true> : fitCount<1, false>)(samples, dictionary, sides, options);
         case 2: return (firm ? fitCount<2, true> : fitCount<2, false>)(samples, dictionary, sides, options);

@@ -7,11 +7,11 @@
 
 namespace apertura {
 
-// V(w) = the product of link(offset + dot(slope, w)), or what that leaves of 1. See lobesTogether in shaders/several.glsl.
+// V(w) = the product of softStep(offset + dot(slope, w)), or what that leaves of 1. See combineLobes in shaders/several.glsl.
 struct LobeFit {
     glm::vec4 lobes[4]{};  // slope, offset, about +Z as the lattice
     int count = 0;
-    bool inverse = false;
+    bool complement = false;
     int pairs = 0;         // 0, 1 or 2: of the first lobes, two by two, the factor is what a pair leaves of 1
     double error = 0;      // mean square of cos (V - samples) over patches, and as much again over groups of them,
                            // in units of cos2's mean: 0 .. 1 + groupWeight
@@ -19,8 +19,8 @@ struct LobeFit {
 
 struct LobeFitOptions {
     int lobes = 1;          // 1 .. 4
-    float firmness = 0;     // > 0: the length of every slope; 0: free, of one or two lobes only
-    bool pairs = false;     // of three or four lobes with a firmness: LobeFit::pairs may be other than 0
+    float sharpness = 0;     // > 0: the length of every slope; 0: free, of one or two lobes only
+    bool pairs = false;     // of three or four lobes with a sharpness: LobeFit::pairs may be other than 0
     float ambientWeight = 0;  // of the squared error of the irradiance from an even sky
     int steps = 8;          // of Levenberg and Marquardt, at most,
     int firstSteps = 4;     // and from each start; the best goes on to the end
@@ -50,7 +50,7 @@ private:
 };
 
 // Whether the product itself is fitted, what it leaves, or the better of the two.
-enum class LobeFitSides { Product, Inverse, Both };
+enum class LobeFitSides { Product, Complement, Both };
 
 // Minimises that error. Deterministic.
 LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options);
@@ -58,7 +58,7 @@ LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFi
 // One lobe, improved from `start`.
 LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options);
 
-// link(offset + dot(slope, w) + w Q w), from `start`; `bend` as SoftQuadric's.
+// softStep(offset + dot(slope, w) + w Q w), from `start`; `bend` as SoftQuadric's.
 struct QuadricFit {
     glm::vec4 lobe;
     float bend[5];

@@ -8,13 +8,13 @@
 
 #include "bake/sampling/directions.h"
 #include "bake/fit/choose.h"
-#include "runtime/asset/form_stream.h"
+#include "runtime/asset/params_stream.h"
 
 namespace apertura {
 
 constexpr double kPi = std::numbers::pi;
 
-HostileInput hostileInput(const Model& model, uint32_t seed, uint64_t index) {
+FuzzInput fuzzInput(const Model& model, uint32_t seed, uint64_t index) {
     uint64_t draw = 0;
     auto unit = [&] { return hashUnit(seed, index, 1 + draw++); };
     auto among = [&](std::initializer_list<float> values) { return values.begin()[size_t(unit() * double(values.size()))]; };
@@ -29,11 +29,11 @@ HostileInput hostileInput(const Model& model, uint32_t seed, uint64_t index) {
         if (kind < 0.9) return direction() * among({0.9995f, 1.0005f, 1e-20f, 1e-4f, 30.0f, 1e10f});
         return corner();
     };
-    HostileInput out;
+    FuzzInput out;
     const vec3 normal = unit() < 0.8 ? direction() : axis(direction());
     const vec3 light = axis(normal);
     const float sine = unit() < 0.6 ? float(std::pow(10, -5 * unit())) : among({0.0f, 1e-30f, 1e-8f, 1e-4f, 0.00465f, 0.0105f, 0.0524f, 0.1737f, 0.7071f, 1.0f});
-    auto form = [&] {
+    auto params = [&] {
         const float pi = float(kPi);
         const float area = unit() < 0.6 ? float(2 * kPi * unit()) : among({0.0f, 1e-38f, 1e-9f, 1e-4f, pi, 2 * pi, 6.2831860f, 7.0f, 4 * pi, 1e30f, -1.0f});
         const float share = unit() < 0.5 ? float(unit()) : among({0.0f, 1.0f, 1.0001f, 1e-6f, 10.0f});
@@ -42,49 +42,49 @@ HostileInput hostileInput(const Model& model, uint32_t seed, uint64_t index) {
         if (model.id == MODEL_AUTO) stored = &models()[size_t(autoChoices()[size_t(unit() * double(autoChoices().size()))])];
         std::vector<float> numbers(size_t(storedNumbers(*stored)) + 1);
         for (float& n : numbers) n = unit() < 0.7 ? float(2 * unit() - 1) : among({-1.0f, 1.0f, 0.0f, -0.0f, 1 / 127.0f, -1 / 127.0f, 1e-20f});
-        Form raw = unpackForm(*stored, numbers);
+        ModelParams raw = unpackParams(*stored, numbers);
         if (model.id == MODEL_AUTO) raw[4].y = float(stored->id);
         const bool hasForm = stored->storedFields > 0 || model.id == MODEL_AUTO;
         const Visibility possible = clampToPossible(v);
-        return toReceiver(possible, toForm(model, v, hasForm ? &raw : nullptr, normal), normal);
+        return toReceiver(possible, toParams(model, v, hasForm ? &raw : nullptr, normal), normal);
     };
-    out.receiver = form();
+    out.receiver = params();
     if (model.mixes && unit() < 0.3) {
-        const Receiver other = form();
+        const Receiver other = params();
         const float t = among({0.0f, 0.5f, 0.25f, 1.0f});
         out.receiver.visibility = mix(out.receiver.visibility, other.visibility, t);
-        for (int k = 0; k < MAX_SLOTS; ++k) out.receiver.form[k] = mix(out.receiver.form[k], other.form[k], t);
-        out.receiver = settled(model.id, out.receiver);
+        for (int k = 0; k < MAX_SLOTS; ++k) out.receiver.params[k] = mix(out.receiver.params[k], other.params[k], t);
+        out.receiver = renormalised(model.id, out.receiver);
     }
     out.light = vec4(light, sine);
     out.sound = std::abs(dot(normal, normal) - 1) < 1e-5f && std::abs(dot(light, light) - 1) < 1e-5f;
     return out;
 }
 
-HostileCount countHostile(const Model& model, uint32_t seed, uint64_t inputs, const FrameEvaluator& device) {
+FuzzCount countFuzz(const Model& model, uint32_t seed, uint64_t inputs, const FrameEvaluator& device) {
     const uint64_t batch = device ? 1 << 18 : 1 << 14;  // the device is set up for each
     const uint64_t batches = (inputs + batch - 1) / batch;
-    std::vector<HostileCount> counts(batches);
-    auto judge = [](HostileCount& count, float e, const HostileInput& input) {
+    std::vector<FuzzCount> counts(batches);
+    auto judge = [](FuzzCount& count, float e, const FuzzInput& input) {
         const CapLight light = capLight(vec3(input.light), input.light.w);
         ++count.inputs;
         count.notFinite += !std::isfinite(e);
-        count.outside += input.sound && (e < -1e-6f * light.area || e > 1.006f * lightOnSurface(input.receiver.normal, light, LIGHTS_ANY) + kAboveOne * light.area);
+        count.outside += input.sound && (e < -1e-6f * light.area || e > 1.006f * unoccludedIrradiance(input.receiver.normal, light, LIGHTS_ANY) + kAboveOne * light.area);
     };
     auto onProcessor = [&](uint64_t b) {
         for (uint64_t i = b * batch; i < std::min(inputs, (b + 1) * batch); ++i) {
-            const HostileInput input = hostileInput(model, seed, i);
-            judge(counts[b], lightThrough(model.id, input.receiver, capLight(vec3(input.light), input.light.w), lightsOf(input.light.w)), input);
+            const FuzzInput input = fuzzInput(model, seed, i);
+            judge(counts[b], irradianceThrough(model.id, input.receiver, capLight(vec3(input.light), input.light.w), lightClassOf(input.light.w)), input);
         }
     };
     auto onDevice = [&](uint64_t b) {
-        std::vector<HostileInput> all[4];
+        std::vector<FuzzInput> all[4];
         std::vector<Evaluation> frames[4];
         for (uint64_t i = b * batch; i < std::min(inputs, (b + 1) * batch); ++i) {
-            const HostileInput input = hostileInput(model, seed, i);
-            const auto size = size_t(lightsOf(input.light.w));
+            const FuzzInput input = fuzzInput(model, seed, i);
+            const auto size = size_t(lightClassOf(input.light.w));
             Evaluation e{vec4(input.receiver.normal, 0), input.light, input.receiver.visibility, {}};
-            std::copy_n(input.receiver.form, MAX_SLOTS, e.form);
+            std::copy_n(input.receiver.params, MAX_SLOTS, e.params);
             frames[size].push_back(e);
             all[size].push_back(input);
         }
@@ -98,8 +98,8 @@ HostileCount countHostile(const Model& model, uint32_t seed, uint64_t inputs, co
         for (uint64_t b = 0; b < batches; ++b) onDevice(b);
     else
         tbb::parallel_for(uint64_t(0), batches, onProcessor);
-    HostileCount sum;
-    for (const HostileCount& c : counts) sum.inputs += c.inputs, sum.notFinite += c.notFinite, sum.outside += c.outside;
+    FuzzCount sum;
+    for (const FuzzCount& c : counts) sum.inputs += c.inputs, sum.notFinite += c.notFinite, sum.outside += c.outside;
     return sum;
 }
 

@@ -23,7 +23,7 @@ constexpr double kPathRadius = 5;  // degrees, of the light that PathRow speaks 
 
 // E / (L pi sin^2 r) as the model has it.
 float modelValue(int model, const Receiver& receiver, const CapLight& light) {
-    return lightThrough(model, receiver, light, lightsOf(light.sinRadius)) / light.area;
+    return irradianceThrough(model, receiver, light, lightClassOf(light.sinRadius)) / light.area;
 }
 
 // The receivers of a scene, their lights, and the truth for each radius.
@@ -57,7 +57,7 @@ Ground traceGround(const Scene& scene, const MeasuredRegion& region, const Trace
     return ground;
 }
 
-// One model at every receiver. Of models whose forms may not be mixed a receiver has three corners, weighed.
+// One model at every receiver. Of models whose parameters may not be mixed a receiver has three corners, weighed.
 struct Made {
     const Model* model;
     std::string source;
@@ -71,7 +71,7 @@ void addRows(const Ground& ground, const Made& made, const std::vector<Visibilit
     double ambient = 0;
     for (size_t i = 0; i < n; ++i) {
         double sky = -std::max(glm::dot(ground.points[i].at.normal, truth[i].direction), 0.0f);
-        for (const auto& [weight, receiver] : made.receivers[i]) sky += weight * skyThrough(made.model->id, receiver);
+        for (const auto& [weight, receiver] : made.receivers[i]) sky += weight * skyIrradiance(made.model->id, receiver);
         ambient += sky * sky / (kPi * kPi);
     }
     for (size_t r = 0; r < options.lightRadii.size(); ++r) {
@@ -141,7 +141,7 @@ int storedAt(const Model& model, const Recipe& recipe) { return recipe.model >= 
 double chosenNumbers(const Asset& asset) {
     double sum = 0, count = 0;
     for (const SeenByInstance& seen : asset.seen)
-        for (const Form& form : seen.forms) sum += models()[size_t(chosenModel(MODEL_AUTO, form))].numbers, ++count;
+        for (const ModelParams& params : seen.allParams) sum += models()[size_t(chosenModel(MODEL_AUTO, params))].numbers, ++count;
     return sum / std::max(count, 1.0);
 }
 
@@ -153,7 +153,7 @@ std::vector<Receiver> receiversFrom(const Ground& ground, const std::vector<Visi
     return out;
 }
 
-Aperture apertureOf(const Receiver& receiver) { return makeAperture(vec3(receiver.form[0]), receiver.form[0].w); }
+Aperture apertureOf(const Receiver& receiver) { return makeAperture(vec3(receiver.params[0]), receiver.params[0].w); }
 
 PathRow comparePath(const Ground& ground, const std::string& stage, const std::string& source,
                     const std::vector<Receiver>& reference, const std::vector<Receiver>& changed) {
@@ -199,8 +199,8 @@ Receiver apertureThroughBytes(Receiver receiver) {
     for (int i = 0; i < 3; ++i) a.axis[i] = throughByte(a.axis[i], 1);
     a.axis = glm::normalize(a.axis);
     const float radius = (throughByte(capRadius(a.height) * 4 / PI - 1, 1) + 1) * PI / 4;
-    receiver.form[0] = vec4(a.axis, 1 - std::cos(radius));
-    return settled(MODEL_APERTURE, receiver);
+    receiver.params[0] = vec4(a.axis, 1 - std::cos(radius));
+    return renormalised(MODEL_APERTURE, receiver);
 }
 
 std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, const Ground& ground,
@@ -242,9 +242,9 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
                 const Visibility& v = at[3 * i + c].visibility;
                 sum.area += w[c] * v.area;
                 sum.direction += w[c] * v.direction;
-                mix += w[c] * toForm(apertureModel(), v, nullptr, n)[0];
+                mix += w[c] * toParams(apertureModel(), v, nullptr, n)[0];
             }
-            receivers.push_back(coefficients ? toReceiver(apertureModel(), sum, n) : settled(MODEL_APERTURE, toReceiver(sum, {mix}, n)));
+            receivers.push_back(coefficients ? toReceiver(apertureModel(), sum, n) : renormalised(MODEL_APERTURE, toReceiver(sum, {mix}, n)));
         }
         return receivers;
     };
@@ -279,7 +279,7 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
         if (auto models = modelsOf(recipe, options); !models.empty()) wanted.emplace_back(&recipe, models);
     const FitTools tools(options.rays);
     FitOptions how{options.tolerance};
-    if (asked(options, models()[MODEL_AUTO])) how.price = priceAt(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7));
+    if (asked(options, models()[MODEL_AUTO])) how.lambda = lambdaAt(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7));
     std::vector<std::vector<BakedPoint>> baked(wanted.size(), std::vector<BakedPoint>(points.size()));
     std::vector<Visibility> sh(points.size()), rays(points.size()), transfer(points.size());
     samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.7, 0.95), [&](size_t i, const Samples& samples, const glm::mat3& frame) {
@@ -300,13 +300,13 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
             double chosen = 0, bytes = 0, missed = 0;
             for (size_t i = 0; i < points.size(); ++i) {
                 const BakedPoint& p = baked[k][i];
-                const Form* stored = recipe.model >= 0 ? &p.form : nullptr;
-                made.receivers.push_back({{1.0f, toReceiver(p.visibility, toForm(*model, p.visibility, stored, points[i].normal), points[i].normal)}});
+                const ModelParams* stored = recipe.model >= 0 ? &p.params : nullptr;
+                made.receivers.push_back({{1.0f, toReceiver(p.visibility, toParams(*model, p.visibility, stored, points[i].normal), points[i].normal)}});
                 if (model->id != MODEL_AUTO) continue;
-                const Model& own = models()[size_t(chosenModel(MODEL_AUTO, p.form))];
+                const Model& own = models()[size_t(chosenModel(MODEL_AUTO, p.params))];
                 chosen += own.numbers;
                 bytes += storedNumbers(own);
-                missed += p.form[4].z;
+                missed += p.params[4].z;
             }
             if (model->id == MODEL_AUTO) {
                 made.numbers = chosen / double(points.size());
@@ -355,19 +355,19 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
             const SeenByInstance& seen = asset.seen[p.instance];
             const glm::mat3 normals = normalMatrix(instance.toWorld);
             Visibility sum;
-            Form mix{};
+            ModelParams mix{};
             std::vector<std::pair<float, Receiver>> corners;
             for (int c = 0; c < 3; ++c) {
                 const uint32_t v = surface.triangles[p.triangle][c];
                 const float w = p.weights[c];
                 const vec3 normal = glm::normalize(normals * surface.normals[v]);
-                const Form form = toForm(model, seen.visibility[v], stored ? &seen.forms[v] : nullptr, normal);
+                const ModelParams params = toParams(model, seen.visibility[v], stored ? &seen.allParams[v] : nullptr, normal);
                 sum.direction += w * seen.visibility[v].direction;
                 sum.area += w * seen.visibility[v].area;
-                for (int k = 0; k < MAX_SLOTS; ++k) mix[k] += w * form[k];
-                corners.emplace_back(w, toReceiver(seen.visibility[v], form, p.at.normal));
+                for (int k = 0; k < MAX_SLOTS; ++k) mix[k] += w * params[k];
+                corners.emplace_back(w, toReceiver(seen.visibility[v], params, p.at.normal));
             }
-            if (mayMix(model, stored)) corners = {{1.0f, settled(model.id, toReceiver(sum, mix, p.at.normal))}};
+            if (mayMix(model, stored)) corners = {{1.0f, renormalised(model.id, toReceiver(sum, mix, p.at.normal))}};
             made.receivers.push_back(std::move(corners));
         }
         addRows(ground, made, truth, options, out.rows);

@@ -25,13 +25,13 @@ void forReceivers(const Scene& scene, const std::vector<const Model*>& asked, in
     for (const SurfaceSample& p : sampleReceivers(scene, receivers, seed)) points.push_back(p.at);
     const FitTools tools(rays);
     FitOptions how;
-    how.price = 1 / (how.tolerance * how.tolerance);
+    how.lambda = 1 / (how.tolerance * how.tolerance);
     samplePoints(RayOcclusion(tracer), points, tools.lattice, seed, 0, progress, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
         for (size_t m = 0; m < asked.size(); ++m) {
             const Model& model = *asked[m];
             const Recipe& recipe = *findRecipe(model.fromVisibility ? "sh" : model.name);
             const BakedPoint point = makePoint(recipe, tools, samples, frame, how);
-            use(i, frame, m, toReceiver(point.visibility, toForm(model, point.visibility, recipe.model >= 0 ? &point.form : nullptr, points[i].normal), points[i].normal));
+            use(i, frame, m, toReceiver(point.visibility, toParams(model, point.visibility, recipe.model >= 0 ? &point.params : nullptr, points[i].normal), points[i].normal));
         }
     });
 }
@@ -58,7 +58,7 @@ std::vector<SceneSteps> measureSceneSteps(const Scene& scene, const std::vector<
             const double step = std::min(radii[r] * kDegree / 6, kDegree);
             double before = 0;
             forArcs(frame, seed, i, radii[r], step, [&](const CapLight& light, bool first) {
-                const double value = double(lightThrough(asked[m]->id, receiver, light, lightsOf(light.sinRadius))) / light.area;
+                const double value = double(irradianceThrough(asked[m]->id, receiver, light, lightClassOf(light.sinRadius))) / light.area;
                 double& most = largest[i][m * radii.size() + r];
                 if (!first) most = std::isfinite(value) ? std::max(most, std::abs(value - before) / stepBound(step, radii[r] * kDegree)) : 1e30;
                 before = value;
@@ -84,7 +84,7 @@ std::vector<HalfError> measureHalf(const std::vector<Scene>& scenes, const std::
             for (size_t r = 0; r < radii.size(); ++r)
                 forArcs(frame, seed, i, radii[r], 2 * kDegree, [&](const CapLight& light, bool) {
                     Evaluation e{vec4(receiver.normal, 0), vec4(light.axis, light.sinRadius), receiver.visibility, {}};
-                    std::copy_n(receiver.form, MAX_SLOTS, e.form);
+                    std::copy_n(receiver.params, MAX_SLOTS, e.params);
                     lights[(s * places + i) * kinds + m * radii.size() + r].push_back(e);
                 });
         });
@@ -94,14 +94,14 @@ std::vector<HalfError> measureHalf(const std::vector<Scene>& scenes, const std::
         HalfError row{std::string(model.name), radii[kind % radii.size()]};
         std::vector<Evaluation> all;
         for (size_t k = kind; k < lights.size(); k += kinds) all.insert(all.end(), lights[k].begin(), lights[k].end());
-        const int size = lightsOf(float(std::sin(row.radius * kDegree)));
-        const std::vector<float> found = half(model.id, size, all);
+        const int lightClass = lightClassOf(float(std::sin(row.radius * kDegree)));
+        const std::vector<float> found = half(model.id, lightClass, all);
         double sum = 0;
         for (size_t k = 0; k < all.size(); ++k) {
             const CapLight light = capLight(vec3(all[k].light), all[k].light.w);
             Receiver receiver{vec3(all[k].normal), all[k].visibility, {}};
-            std::copy_n(all[k].form, MAX_SLOTS, receiver.form);
-            const double e = (double(found[k]) - lightThrough(model.id, receiver, light, size)) / light.area;
+            std::copy_n(all[k].params, MAX_SLOTS, receiver.params);
+            const double e = (double(found[k]) - irradianceThrough(model.id, receiver, light, lightClass)) / light.area;
             ++row.lights;
             row.notFinite += !std::isfinite(e);
             if (!std::isfinite(e)) continue;

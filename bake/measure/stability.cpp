@@ -34,16 +34,16 @@ double linkOf(double f) { return 0.5 + 0.5 * f / std::sqrt(1 + f * f); }
 
 // The visibility of a model of lobes in one direction.
 double lobesAt(const Model& model, const Receiver& r, const dvec3& w) {
-    auto lobe = [&](int k) { return linkOf(double(r.form[k].w) + glm::dot(dvec3(r.form[k]), w)); };
+    auto lobe = [&](int k) { return linkOf(double(r.params[k].w) + glm::dot(dvec3(r.params[k]), w)); };
     if (model.id == MODEL_SOFT) return lobe(0);
     if (model.id == MODEL_SOFT_L2) {
-        const SoftQuadric q{vec3(r.form[0]), r.form[0].w, r.form[1], r.form[2].x};
+        const SoftQuadric q{vec3(r.params[0]), r.params[0].w, r.params[1], r.params[2].x};
         return linkOf(double(q.offset) + glm::dot(dvec3(q.slope) + dvec3(bendTimes(q, vec3(w))), w));
     }
     const int count = model.numbers == 12 ? 4 : model.numbers == 9 ? 3 : 2;
     vec4 each(1);
     for (int k = 0; k < count; ++k) each[k] = float(lobe(k));
-    return lobesTogether(count, plainProducts(each), r.form[count]);
+    return combineLobes(count, plainProducts(each), r.params[count]);
 }
 
 }  // namespace
@@ -55,18 +55,18 @@ double exactThroughCap(const SweepFrame& f) {
 
 double exactInModel(const Model& any, const Receiver& r, const dvec3& light, double radius) {
     const dvec3 n(r.normal);
-    const Model& model = models()[size_t(any.id == MODEL_AUTO ? int(r.form[4].y + 0.5f) : any.id)];
+    const Model& model = models()[size_t(any.id == MODEL_AUTO ? int(r.params[4].y + 0.5f) : any.id)];
     const ExactCap lit{light, radius};
-    auto cap = [&](int k) { return ExactCap{glm::normalize(dvec3(r.form[k])), radiusOf(r.form[k].w)}; };
+    auto cap = [&](int k) { return ExactCap{glm::normalize(dvec3(r.params[k])), radiusOf(r.params[k].w)}; };
     auto through = [&](int k) { return share({lit, cap(k)}, n, radius); };
     const double open = share({lit}, n, radius);
     switch (model.id) {
         case MODEL_APERTURE: return through(0);
-        case MODEL_ALPHA: return double(r.form[1].x) * through(0);
-        case MODEL_ANTI: return through(0) + double(r.form[2].x) * (open - through(1) - through(0));
+        case MODEL_ALPHA: return double(r.params[1].x) * through(0);
+        case MODEL_ANTI: return through(0) + double(r.params[2].x) * (open - through(1) - through(0));
         case MODEL_CAP_ANTI: {
             const double both = share({lit, cap(0), cap(1)}, n, radius);
-            return r.form[2].x > 0.5f ? open - both : both;
+            return r.params[2].x > 0.5f ? open - both : both;
         }
         case MODEL_MULTI_2:
         case MODEL_MULTI_3:
@@ -112,25 +112,25 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
         const double half = std::sin(f.apertureRadius / 2), area = 4 * kPi * half * half * f.areaScale;
         const Visibility v{vec3(f.aperture * area * (1 - area / (4 * kPi)) * f.axisLength), float(area)};
         Visibility seen = v;
-        Form form;
+        ModelParams params;
         if (recipe) {
             std::vector<uint8_t> blocked;
             for (const vec3& w : tools.lattice.directions()) blocked.push_back(glm::dot(dvec3(w), f.aperture) < std::cos(f.apertureRadius));
             FitOptions how;
-            how.price = 1 / (how.tolerance * how.tolerance);
+            how.lambda = 1 / (how.tolerance * how.tolerance);
             const BakedPoint point = makePoint(*recipe, tools, Samples(tools.lattice, blocked), mat3(1), how);
-            form = toForm(model, point.visibility, &point.form, normal);
+            params = toParams(model, point.visibility, &point.params, normal);
             if (!model.baseline) seen = point.visibility;
         } else {
-            form = toForm(model, v, nullptr, normal);
+            params = toParams(model, v, nullptr, normal);
             // What a bake sees of the opening lies above the horizon.
             if (!model.baseline && f.apertureRadius > 0) seen.direction = vec3(vectorIrradiance(std::array{ExactCap{f.aperture, f.apertureRadius}, ExactCap{kUp, kPi / 2}}));
         }
         // As mixing leaves it; models that are not mixed have axes from a decoder, which makes them unit.
         if (model.mixes && f.axisLength != 1)
-            for (int k = 0; k < 2; ++k) form[k] = vec4(vec3(form[k]) * float(f.axisLength), form[k].w);
-        const Receiver receiver = toReceiver(seen, form, normal);
-        out.receivers.push_back(model.mixes ? settled(model.id, receiver) : receiver);
+            for (int k = 0; k < 2; ++k) params[k] = vec4(vec3(params[k]) * float(f.axisLength), params[k].w);
+        const Receiver receiver = toReceiver(seen, params, normal);
+        out.receivers.push_back(model.mixes ? renormalised(model.id, receiver) : receiver);
     }
     return out;
 }
@@ -146,27 +146,27 @@ StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const Fra
     for (size_t i = 0; i < sweep.frames.size(); ++i) {
         const SweepFrame& f = sweep.frames[i];
         Evaluation e{vec4(swept.receivers[i].normal, 0), vec4(vec3(f.light), float(std::sin(f.lightRadius))), swept.receivers[i].visibility, {}};
-        std::copy_n(swept.receivers[i].form, MAX_SLOTS, e.form);
-        inputs[lightsOf(e.light.w)].push_back(e);
+        std::copy_n(swept.receivers[i].params, MAX_SLOTS, e.params);
+        inputs[lightClassOf(e.light.w)].push_back(e);
     }
     if (device)
-        for (int size = 0; size < 4; ++size)
-            if (!inputs[size].empty()) found[size] = device(model.id, size, inputs[size]);
+        for (int lightClass = 0; lightClass < 4; ++lightClass)
+            if (!inputs[lightClass].empty()) found[lightClass] = device(model.id, lightClass, inputs[lightClass]);
     size_t taken[4]{};
     for (size_t i = 0; i < sweep.frames.size(); ++i) {
         const SweepFrame& f = sweep.frames[i];
         const CapLight light = capLight(vec3(f.light), float(std::sin(f.lightRadius)));
-        const int size = lightsOf(light.sinRadius);
-        const float raw = lightThrough(model.id, swept.receivers[i], light, size);
+        const int lightClass = lightClassOf(light.sinRadius);
+        const float raw = irradianceThrough(model.id, swept.receivers[i], light, lightClass);
         const double value = light.area > 0 ? double(raw) / light.area : 0;
         ++row.frames;
-        const size_t at = taken[size]++;
-        if (!std::isfinite(raw) || (device && !std::isfinite(found[size][at]))) {
+        const size_t at = taken[lightClass]++;
+        if (!std::isfinite(raw) || (device && !std::isfinite(found[lightClass][at]))) {
             ++row.notFinite;
             continue;
         }
-        if (device) row.onDevice = std::max(row.onDevice, std::abs(double(found[size][at]) - raw) / std::max(double(light.area), 1e-12));
-        const double unblocked = lightOnSurface(vec3(kUp), light, LIGHTS_ANY) / std::max(light.area, 1e-30f);
+        if (device) row.onDevice = std::max(row.onDevice, std::abs(double(found[lightClass][at]) - raw) / std::max(double(light.area), 1e-12));
+        const double unblocked = unoccludedIrradiance(vec3(kUp), light, LIGHTS_ANY) / std::max(light.area, 1e-30f);
         row.outside += value < -1e-6 || value > 1.006 * unblocked + kAboveOne;
         const double truth = exactThroughCap(f);
         const double exact = model.baseline ? truth : exactInModel(model, swept.receivers[i], f.light, f.lightRadius);

@@ -17,7 +17,7 @@ namespace apertura {
 inline double stepBound(double moved, double radius) { return 2 * moved / (3.14159265358979 * std::sin(radius)); }
 
 // The light of each frame; empty where it could not be had.
-using FrameEvaluator = std::function<std::vector<float>(int model, int size, const std::vector<Evaluation>&)>;
+using FrameEvaluator = std::function<std::vector<float>(int model, int lightClass, const std::vector<Evaluation>&)>;
 
 // Of the light overhead, what is let pass above the unblocked light: one of up to 10 degrees that the horizon cuts is not
 // clamped again.

@@ -74,19 +74,19 @@ std::vector<MixingError> mixingErrors(const Model& model) {
     for (const Pair& pair : kPairs)
         for (const double radius : {0.27, 5.0, 15.0, 30.0}) {
             const Visibility a = pair.from.visibility(), b = pair.to.visibility();
-            const Form from = toForm(model, a, nullptr, normal), to = toForm(model, b, nullptr, normal);
+            const ModelParams from = toParams(model, a, nullptr, normal), to = toParams(model, b, nullptr, normal);
             MixingError row{std::string(model.name), pair.name, radius, 0, 0, 0};
             for (const glm::vec3& w : fibonacciHemisphere(400)) {
                 const CapLight light = capLight(w, float(std::sin(radius * kDegree)));
-                auto lit = [&](const Visibility& v, const Form& form) {
-                    return double(lightThrough(model.id, settled(model.id, toReceiver(v, form, normal)), light, lightsOf(light.sinRadius))) / light.area;
+                auto lit = [&](const Visibility& v, const ModelParams& params) {
+                    return double(irradianceThrough(model.id, renormalised(model.id, toReceiver(v, params, normal)), light, lightClassOf(light.sinRadius))) / light.area;
                 };
                 const double first = lit(a, from), last = lit(b, to);
                 for (int i = 1; i < 16; ++i) {
                     const float t = float(i) / 16;
-                    Form form{};
-                    for (int k = 0; k < MAX_SLOTS; ++k) form[size_t(k)] = glm::mix(from[size_t(k)], to[size_t(k)], t);
-                    const double e = lit({glm::mix(a.direction, b.direction, t), glm::mix(a.area, b.area, t)}, form);
+                    ModelParams params{};
+                    for (int k = 0; k < MAX_SLOTS; ++k) params[size_t(k)] = glm::mix(from[size_t(k)], to[size_t(k)], t);
+                    const double e = lit({glm::mix(a.direction, b.direction, t), glm::mix(a.area, b.area, t)}, params);
                     row.below = std::max(row.below, std::min(first, last) - e);
                     row.above = std::max(row.above, e - std::max(first, last));
                     row.path = std::max(row.path, std::abs(e - glm::mix(first, last, double(t))));

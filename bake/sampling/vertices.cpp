@@ -230,7 +230,7 @@ SurfacePoint nextTo(const Mesh& mesh, const Tracer& tracer, size_t v, const Corn
 
 }  // namespace
 
-std::vector<std::string> describe(const Doubts& d) {
+std::vector<std::string> describe(const MeshIssues& d) {
     std::vector<std::string> out;
     auto say = [&](const char* what, size_t count, const char* then) {
         if (count > 0) out.push_back(std::string(what) + ": " + std::to_string(count) + " (" + then + ")");
@@ -245,9 +245,9 @@ std::vector<std::string> describe(const Doubts& d) {
     return out;
 }
 
-VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progress& progress, Doubts* doubts) {
+VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progress& progress, MeshIssues* issues) {
     VertexPoints out;
-    Doubts sum;
+    MeshIssues sum;
     size_t all = 0;
     const Open open = twoSided(scene);
     const double large = kLarge * sizeOf(scene);
@@ -293,7 +293,7 @@ VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progr
         for (size_t v : vertices) out.places.emplace_back(i, v);
         out.points.insert(out.points.end(), points.begin(), points.end());
     }
-    if (doubts) *doubts = sum;
+    if (issues) *issues = sum;
     return out;
 }
 

@@ -21,7 +21,7 @@ inline glm::dvec3 rayOrigin(const Tracer& tracer, const SurfacePoint& point) {
 }
 
 // What a scene leaves open, counted; and what was made of it.
-struct Doubts {
+struct MeshIssues {
     size_t degenerate = 0;    // triangles of no area: they block nothing
     size_t withoutFaces = 0;  // vertices of those alone: they look along the normal that the file has, or +Y
     size_t inverted = 0;      // triangles wound against their vertices' normals: the normals are believed
@@ -32,7 +32,7 @@ struct Doubts {
 };
 
 // One line for each that is not nothing.
-std::vector<std::string> describe(const Doubts& doubts);
+std::vector<std::string> describe(const MeshIssues& issues);
 
 struct VertexPoints {
     std::vector<SurfacePoint> points;               // of the vertices that triangles use
@@ -40,6 +40,6 @@ struct VertexPoints {
 };
 
 // The result does not depend on the number of threads. Throws Cancelled.
-VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progress& progress = {}, Doubts* doubts = nullptr);
+VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progress& progress = {}, MeshIssues* issues = nullptr);
 
 }  // namespace apertura

@@ -154,17 +154,17 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
 
 Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
     HeightMap map;
-    const auto send = [&](ParcelWriter& out) {
+    const auto send = [&](PipeWriter& out) {
         const HeightMap read = readHeights(path, options);
         out.put(std::vector{read.width, read.height});
         out.put(read.values);
     };
-    const auto receive = [&](ParcelReader& in) {
+    const auto receive = [&](PipeReader& in) {
         const std::vector<int> size = in.take<int>();
         requireMemory(path, std::to_string(size.at(0)) + " x " + std::to_string(size.at(1)) + " texels", double(size.at(0)) * size.at(1) * kBytesAVertex);
         map = {size.at(0), size.at(1), in.take<float>()};
     };
-    runIsolated(path, limitsFor(path), send, receive);
+    runIsolated(path, limitsFor(path, 10), send, receive);
     Scene scene;
     scene.name = path;
     Surface surface;

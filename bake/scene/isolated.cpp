@@ -18,7 +18,7 @@ namespace {
 
 // What a process that reads a file may take: about twice what OBJ, STL, PLY, PNG and TIFF of 1 kB to 225 MB took. What
 // it sends is held here a second time.
-constexpr double kSeconds = 10, kSecondsAMebibyte = 2;
+constexpr double kSecondsAMebibyte = 2;
 constexpr double kBytes = 0x1p30, kBytesAByte = 64;
 
 // The first byte that comes says what follows.
@@ -55,7 +55,7 @@ void limitResources(const ResourceLimits& limits) {
 #endif
 }
 
-[[noreturn]] void child(int to, const ResourceLimits& limits, const std::function<void(ParcelWriter&)>& read) {
+[[noreturn]] void child(int to, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& read) {
     for (int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGXCPU}) std::signal(signal, SIG_DFL);
     std::signal(SIGPIPE, SIG_IGN);
     const int silence = open("/dev/null", O_WRONLY);
@@ -63,7 +63,7 @@ void limitResources(const ResourceLimits& limits) {
     limitResources(limits);
     std::string failure;
     try {
-        ParcelWriter writer(to);
+        PipeWriter writer(to);
         read(writer);
     } catch (const std::bad_alloc&) {
         failure = "asks for more memory than a file of its size can need";
@@ -82,12 +82,12 @@ void limitResources(const ResourceLimits& limits) {
 }  // namespace
 
 // The mark is written with every piece, so that nothing is announced before there is something to send.
-void ParcelWriter::write(const void* bytes, size_t size) {
+void PipeWriter::write(const void* bytes, size_t size) {
     writeAll(to_, &kContent, 1);
     writeAll(to_, bytes, size);
 }
 
-void ParcelReader::read(void* bytes, size_t size) {
+void PipeReader::read(void* bytes, size_t size) {
     char mark = 0;
     size_t done = 0;
     char* const out = static_cast<char*>(bytes);
@@ -110,22 +110,22 @@ void ParcelReader::read(void* bytes, size_t size) {
     left_ -= double(size);
 }
 
-size_t ParcelReader::takeCount(size_t element) {
+size_t PipeReader::takeCount(size_t element) {
     size_t count = 0;
     read(&count, sizeof count);
     if (double(count) * double(element) > left_) throw Broken{};
     return count;
 }
 
-ResourceLimits limitsFor(const std::string& path) {
+ResourceLimits limitsFor(const std::string& path, double seconds) {
     std::error_code ignored;
     const auto size = std::filesystem::file_size(path, ignored);
     const double bytes = ignored ? 0 : double(size), machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
-    return {kSeconds + kSecondsAMebibyte * bytes / 0x1p20, std::min(kBytes + kBytesAByte * bytes, machine / 2)};
+    return {seconds + kSecondsAMebibyte * bytes / 0x1p20, std::min(kBytes + kBytesAByte * bytes, machine / 2)};
 }
 
-void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(ParcelWriter&)>& read,
-                 const std::function<void(ParcelReader&)>& receive) {
+void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& read,
+                 const std::function<void(PipeReader&)>& receive) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw Error(path + ": cannot be read: no pipe");
     const pid_t pid = fork();
@@ -134,7 +134,7 @@ void runIsolated(const std::string& path, const ResourceLimits& limits, const st
     close(ends[1]);
     std::string failure;
     try {
-        ParcelReader reader(ends[0], limits.bytes);
+        PipeReader reader(ends[0], limits.bytes);
         receive(reader);
     } catch (const Broken&) {
         failure = "cannot be read: damaged";

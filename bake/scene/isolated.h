@@ -7,9 +7,9 @@
 namespace apertura {
 
 // One end of the pipe between two processes; values go through as bytes, a count before each run of them.
-class ParcelWriter {
+class PipeWriter {
 public:
-    explicit ParcelWriter(int to) : to_(to) {}
+    explicit PipeWriter(int to) : to_(to) {}
     template <typename T>
     void put(const std::vector<T>& values) {
         const size_t count = values.size();
@@ -22,9 +22,9 @@ private:
     int to_;
 };
 
-class ParcelReader {
+class PipeReader {
 public:
-    ParcelReader(int from, double mostBytes) : from_(from), left_(mostBytes) {}
+    PipeReader(int from, double mostBytes) : from_(from), left_(mostBytes) {}
     template <typename T>
     std::vector<T> take() {
         std::vector<T> out(takeCount(sizeof(T)));
@@ -45,12 +45,12 @@ struct ResourceLimits {
     double bytes = 0;    // of memory, and of what it may send
 };
 
-// As much as reading a file of its size can need, and at most half of the machine's memory.
-ResourceLimits limitsFor(const std::string& path);
+// As much as reading a file of its size can need, and at most half of the machine's memory. `seconds`: for a small one.
+ResourceLimits limitsFor(const std::string& path, double seconds);
 
 // The libraries that read foreign files crash and hang on damaged ones: here that is an Error that names `path`.
 // Runs `read` in a process of its own, silent on standard error, and `receive` on what it sends, in the same order.
-void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(ParcelWriter&)>& read,
-                 const std::function<void(ParcelReader&)>& receive);
+void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& read,
+                 const std::function<void(PipeReader&)>& receive);
 
 }  // namespace apertura

@@ -34,7 +34,7 @@ private:
 };
 
 // Sends the instances, then the positions, normals and triangles of each surface.
-void read(const std::string& path, ParcelWriter& parcel) {
+void read(const std::string& path, PipeWriter& pipe) {
     Assimp::Importer importer;
     importer.SetIOHandler(new OneFile(path));  // which it deletes
     // Vertices that face apart by more than this are split where the file has no normals of its own.
@@ -62,7 +62,7 @@ void read(const std::string& path, ParcelWriter& parcel) {
 
     Instances instances;
     addNode(instances, scene->mRootNode, aiMatrix4x4());
-    parcel.put(instances);
+    pipe.put(instances);
     for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
         const aiMesh& mesh = *scene->mMeshes[m];
         Surface surface;
@@ -77,9 +77,9 @@ void read(const std::string& path, ParcelWriter& parcel) {
             const aiFace& face = mesh.mFaces[f];
             if (face.mNumIndices == 3) surface.triangles.push_back({face.mIndices[0], face.mIndices[1], face.mIndices[2]});
         }
-        parcel.put(surface.positions);
-        parcel.put(surface.normals);
-        parcel.put(surface.triangles);
+        pipe.put(surface.positions);
+        pipe.put(surface.normals);
+        pipe.put(surface.triangles);
     }
 }
 
@@ -88,21 +88,21 @@ void read(const std::string& path, ParcelWriter& parcel) {
 Scene loadMeshFile(const std::string& path) {
     Scene scene;
     scene.name = path;
-    const auto receive = [&](ParcelReader& parcel) {
+    const auto receive = [&](PipeReader& pipe) {
         int surfaces = 0;
-        for (const auto& [surface, world] : parcel.take<Instances::value_type>()) {
+        for (const auto& [surface, world] : pipe.take<Instances::value_type>()) {
             scene.instances.push_back({surface, world});
             surfaces = std::max(surfaces, surface + 1);
         }
         for (int i = 0; i < surfaces; ++i) {
             Surface surface;
-            surface.positions = parcel.take<glm::vec3>();
-            surface.normals = parcel.take<glm::vec3>();
-            surface.triangles = parcel.take<std::array<uint32_t, 3>>();
+            surface.positions = pipe.take<glm::vec3>();
+            surface.normals = pipe.take<glm::vec3>();
+            surface.triangles = pipe.take<std::array<uint32_t, 3>>();
             scene.surfaces.push_back(std::move(surface));
         }
     };
-    runIsolated(path, limitsFor(path), [&](ParcelWriter& out) { read(path, out); }, receive);
+    runIsolated(path, limitsFor(path, 5), [&](PipeWriter& out) { read(path, out); }, receive);
     validate(scene);
     return scene;
 }

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "runtime/asset/file.h"
-#include "runtime/asset/form_stream.h"
+#include "runtime/asset/params_stream.h"
 #include "runtime/asset/gltf.h"
 #include "runtime/asset/gltf_writer.h"
 #include "sh/packing.h"
@@ -107,9 +107,9 @@ void removeBaked(GltfWriter& writer) {
                 }
         }
     if (const Json& baked = describedIn(json); baked.is_object()) {
-        for (const Json& form : listOf(baked, "forms"))
-            if (form.is_object() && form.contains("bufferView") && form["bufferView"].is_number_unsigned() && form["bufferView"] < listOf(json, "bufferViews").size())
-                views.insert(form["bufferView"].get<size_t>());
+        for (const Json& entry : listOf(baked, "forms"))
+            if (entry.is_object() && entry.contains("bufferView") && entry["bufferView"].is_number_unsigned() && entry["bufferView"] < listOf(json, "bufferViews").size())
+                views.insert(entry["bufferView"].get<size_t>());
         json["asset"]["extras"]["apertura"].erase("forms");
     }
     writer.release(accessors, views);
@@ -188,13 +188,13 @@ void separateMeshes(Json& json, const Scene& scene, const GltfDocument& document
     }
 }
 
-// The buffer view of each primitive's forms, by mesh and primitive.
+// The buffer view of each primitive's parameters, by mesh and primitive.
 std::map<std::pair<size_t, size_t>, size_t> findStreams(const Json& described) {
     std::map<std::pair<size_t, size_t>, size_t> out;
-    const Json& forms = listOf(described, "forms");
-    if (!forms.is_array()) return out;
-    for (const Json& form : forms) {
-        auto index = [&](const char* key) { return form.is_object() && form.contains(key) && form[key].is_number_unsigned() ? form[key].get<size_t>() : SIZE_MAX; };
+    const Json& allParams = listOf(described, "forms");
+    if (!allParams.is_array()) return out;
+    for (const Json& params : allParams) {
+        auto index = [&](const char* key) { return params.is_object() && params.contains(key) && params[key].is_number_unsigned() ? params[key].get<size_t>() : SIZE_MAX; };
         out[{index("mesh"), index("primitive")}] = index("bufferView");
     }
     return out;
@@ -205,7 +205,7 @@ SeenByInstance pick(const SeenByInstance& seen, const std::vector<uint32_t>& fro
     SeenByInstance out;
     for (const uint32_t i : from) {
         out.visibility.push_back(seen.visibility[i]);
-        if (!seen.forms.empty()) out.forms.push_back(seen.forms[i]);
+        if (!seen.allParams.empty()) out.allParams.push_back(seen.allParams[i]);
     }
     return out;
 }
@@ -254,7 +254,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     separateMeshes(json, scene, document);
 
     const Model* stored = storedModel(info);
-    Json forms = Json::array();
+    Json allParams = Json::array();
     std::map<int, Json> geometry;  // surface -> its primitive, where that is not as in the file
     std::set<size_t> replaced;     // accessors
     for (size_t i = 0; i < scene.instances.size(); ++i) {
@@ -273,10 +273,10 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
         const glm::mat3 rotation = rotationPart(instance.toWorld);
         primitive["attributes"][kAttribute] = addVisibility(writer, visibility[i].visibility, rotation, info.bits);
         if (!stored) continue;
-        const std::vector<std::byte> bytes = packForms(*stored, visibility[i].forms, glm::transpose(rotation), info.bits);
+        const std::vector<std::byte> bytes = packAllParams(*stored, visibility[i].allParams, glm::transpose(rotation), info.bits);
         Bytes copy(bytes.size());
         std::transform(bytes.begin(), bytes.end(), copy.begin(), [](std::byte b) { return static_cast<unsigned char>(b); });
-        forms.push_back({{"mesh", mesh}, {"primitive", instance.primitive}, {"bufferView", writer.addView(std::move(copy))}});
+        allParams.push_back({{"mesh", mesh}, {"primitive", instance.primitive}, {"bufferView", writer.addView(std::move(copy))}});
     }
     Json& asset = json["asset"];
     Json description = describe(info);
@@ -286,7 +286,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     if (scene.document && asset.contains("generator") && !asset["generator"].dump().starts_with("\"Apertura ")) description["inputGenerator"] = asset["generator"];
     asset["generator"] = "Apertura " + info.version;
     if (asset.contains("extras") && !asset["extras"].is_object()) asset["extras"] = {{"input", asset["extras"]}};
-    if (stored) description["forms"] = forms;
+    if (stored) description["forms"] = allParams;
     asset["extras"]["apertura"] = description;
     writer.release(replaced);
     writer.write(path, file.name());
@@ -335,7 +335,7 @@ Asset toAsset(Scene scene) {
             const auto stream = streams.find({mesh, size_t(instance.primitive)});
             if (stream == streams.end()) throw Error(where + " holds no numbers of the model " + asset.info.model);
             try {
-                seen.forms = unpackForms(*stored, viewBytes(document, stream->second), seen.visibility.size(), rotation, asset.info.bits);
+                seen.allParams = unpackAllParams(*stored, viewBytes(document, stream->second), seen.visibility.size(), rotation, asset.info.bits);
             } catch (const Error& e) {
                 const std::string cause = e.what();
                 throw Error(cause.starts_with(scene.name) ? cause : where + ": " + cause);
@@ -363,8 +363,8 @@ double bytesAPoint(const Asset& asset) {
     for (const SeenByInstance& seen : asset.seen) {
         points += double(seen.visibility.size());
         if (!stored) continue;
-        for (const Form& form : seen.forms)
-            numbers += storedNumbers(models()[size_t(chosenModel(stored->id, form))]);
+        for (const ModelParams& params : seen.allParams)
+            numbers += storedNumbers(models()[size_t(chosenModel(stored->id, params))]);
     }
     const double choice = stored && stored->id == MODEL_AUTO ? 1 : 0;
     return asset.info.bits / 2.0 + choice + numbers / std::max(points, 1.0) * asset.info.bits / 8;

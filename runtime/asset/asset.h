@@ -13,7 +13,7 @@ namespace apertura {
 struct BakeInfo {
     std::string version;
     std::string scene;         // what it was baked from: a file's name without its folder, or builtin:NAME
-    std::string model = "sh";  // the recipe (bake/fit.h): sh, rays, sh-fit, or the stored model's name
+    std::string model = "sh";  // the recipe (bake/fit/fit.h): sh, rays, sh-fit, or the stored model's name
     double tolerance = 0;      // of the model "auto", 0 for others
     int rays = 256;            // a vertex
     int bits = 8;              // a component
@@ -26,7 +26,7 @@ struct BakeInfo {
 // What the positions of one instance see, in world directions.
 struct SeenByInstance {
     std::vector<Visibility> visibility;  // one a position
-    std::vector<Form> forms;             // the same, where a model is stored beside it; else empty
+    std::vector<ModelParams> allParams;             // the same, where a model is stored beside it; else empty
 };
 using BakedVisibility = std::vector<SeenByInstance>;  // one an instance of the scene
 
@@ -36,10 +36,10 @@ struct Asset {
     BakeInfo info;
 };
 
-// The model whose forms the asset stores; nullptr where all is made from the four numbers.
+// The model whose parameters the asset stores; nullptr where all is made from the four numbers.
 const Model* storedModel(const BakeInfo& info);
 
-// Whether a model's forms may be interpolated: as its entry says, but not those of a model that can also be
+// Whether a model's parameters may be interpolated: as its entry says, but not those of a model that can also be
 // made from the four numbers, which then are of either kind from vertex to vertex.
 bool mayMix(const Model& model, bool stored);
 

@@ -1,4 +1,4 @@
-// What a glTF file may make us read: see runtime/gltf_document.h.
+// What a glTF file may make us read: see runtime/asset/gltf_document.h.
 #include <algorithm>
 #include <array>
 #include <cctype>

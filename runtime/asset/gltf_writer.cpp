@@ -54,10 +54,10 @@ void visitViews(Json& json, const std::set<size_t>& except, const Visit& visit) 
         }
     if (json.contains("images"))
         for (Json& image : json["images"]) visitMember(image, "bufferView", visit);
-    const Json::json_pointer forms("/asset/extras/apertura/forms");
-    if (json.contains(forms) && json[forms].is_array())
-        for (Json& form : json[forms])
-            if (form.is_object()) visitMember(form, "bufferView", visit);
+    const Json::json_pointer allParams("/asset/extras/apertura/forms");
+    if (json.contains(allParams) && json[allParams].is_array())
+        for (Json& params : json[allParams])
+            if (params.is_object()) visitMember(params, "bufferView", visit);
 }
 
 std::set<size_t> unused(std::set<size_t> candidates, const std::function<void(const Visit&)>& visitAll) {

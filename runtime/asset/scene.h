@@ -10,7 +10,7 @@
 
 namespace apertura {
 
-struct GltfDocument;  // runtime/gltf_document.h
+struct GltfDocument;  // runtime/asset/gltf_document.h
 
 // Triangles in a frame of their own; shared by instances.
 struct Surface {

@@ -24,7 +24,7 @@ public:
                                                  {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_SHADER_STAGE_COMPUTE_BIT, light_.get()}};
         bindings_ = std::make_unique<GpuBindings>(gpu, bindings);
         for (const CostCase& c : cases) {
-            const int32_t constants[] = {c.model, c.size, models()[size_t(c.model)].slots, c.sky};
+            const int32_t constants[] = {c.model, c.lightClass, models()[size_t(c.model)].slots, c.sky};
             VkSpecializationMapEntry entries[4];
             for (uint32_t i = 0; i < 4; ++i) entries[i] = {i, uint32_t(i * sizeof(int32_t)), sizeof(int32_t)};
             const VkSpecializationInfo special{4, entries, sizeof constants, constants};
@@ -125,7 +125,7 @@ std::vector<double> measuredCosts(const Gpu& gpu, std::span<const CostCase> case
     std::vector<double> least(cases.size(), 1e30);
     for (int round = 0; round < rounds; ++round)
         for (size_t i = 0; i < cases.size(); ++i) {
-            pipelines.setLight(cases[i].size == LIGHTS_SUN ? 0.00465f : cases[i].size == LIGHTS_SMALL ? 0.0436f : cases[i].size == LIGHTS_MEDIUM ? 0.087f : 0.259f);
+            pipelines.setLight(cases[i].lightClass == LIGHTS_SUN ? 0.00465f : cases[i].lightClass == LIGHTS_SMALL ? 0.0436f : cases[i].lightClass == LIGHTS_MEDIUM ? 0.087f : 0.259f);
             gpu.run([&](VkCommandBuffer commands) {
                 vkCmdResetQueryPool(commands, pool, 0, 2);
                 vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool, 0);

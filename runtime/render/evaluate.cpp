@@ -9,7 +9,7 @@
 
 namespace apertura {
 
-std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int size, std::span<const Evaluation> inputs, bool half) {
+std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int lightClass, std::span<const Evaluation> inputs, bool half) {
     if (half && !gpu.hasHalf()) throw Error("Vulkan: the device has no 16-bit floats");
     const auto in = upload(gpu, std::as_bytes(inputs), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     const GpuBuffer out(gpu, inputs.size() * sizeof(vec2), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GpuBuffer::Place::Host);
@@ -18,7 +18,7 @@ std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int size, std::spa
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_COMPUTE_BIT, &out}};
     const GpuBindings bindings(gpu, slots);
     const GpuShader shader = half ? GpuShader(gpu, evaluate16_comp) : GpuShader(gpu, evaluate_comp);
-    const int32_t values[] = {model, size};
+    const int32_t values[] = {model, lightClass};
     const VkSpecializationMapEntry entries[] = {{0, 0, sizeof(int32_t)}, {1, sizeof(int32_t), sizeof(int32_t)}};
     const VkSpecializationInfo constants{2, entries, sizeof values, values};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};

@@ -65,8 +65,8 @@ Renderer::~Renderer() {
     for (const auto& [key, pipeline] : pipelines_) vkDestroyPipeline(gpu_.device(), pipeline, nullptr);
 }
 
-const Renderer::Forms& Renderer::forms(const Model& model) {
-    Forms& out = forms_[model.id];
+const Renderer::AllParams& Renderer::allParams(const Model& model) {
+    AllParams& out = allParams_[model.id];
     if (out.bindings) return out;
     const bool stored = storedModel(asset_.info) == &model;
     if (!stored && !model.fromVisibility)
@@ -81,14 +81,14 @@ const Renderer::Forms& Renderer::forms(const Model& model) {
         for (size_t v = 0; v < surface.positions.size(); ++v) {
             const glm::vec3 n = normals * surface.normals[v];
             const float length = glm::length(n);
-            const Form form = toForm(model, seen.visibility[v], stored && !seen.forms.empty() ? &seen.forms[v] : nullptr,
+            const ModelParams params = toParams(model, seen.visibility[v], stored && !seen.allParams.empty() ? &seen.allParams[v] : nullptr,
                                      length > 0 ? n / length : glm::vec3(0, 1, 0));
-            slots.insert(slots.end(), form.begin(), form.begin() + model.slots);
+            slots.insert(slots.end(), params.begin(), params.begin() + model.slots);
         }
     }
     if (slots.empty()) slots.emplace_back(0);  // a buffer cannot be empty
     if (slots.size() * sizeof(vec4) > gpu_.largestBuffer())
-        throw Error(asset_.scene.name + ": the forms of " + std::string(model.name) + " are too large for " + gpu_.name());
+        throw Error(asset_.scene.name + ": the parameters of " + std::string(model.name) + " are too large for " + gpu_.name());
     out.buffer = upload(gpu_, std::as_bytes(std::span(slots)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     const GpuBindings::Binding bindings[] = {
         {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, frame_.get()},
@@ -99,10 +99,10 @@ const Renderer::Forms& Renderer::forms(const Model& model) {
     return out;
 }
 
-VkPipeline Renderer::pipeline(const Model& model, int size, const GpuBindings& bindings) {
-    VkPipeline& out = pipelines_[{model.id, size}];
+VkPipeline Renderer::pipeline(const Model& model, int lightClass, const GpuBindings& bindings) {
+    VkPipeline& out = pipelines_[{model.id, lightClass}];
     if (out) return out;
-    const Constants<4> constants({model.id, size, model.slots, mayMix(model, storedModel(asset_.info) == &model)});
+    const Constants<4> constants({model.id, lightClass, model.slots, mayMix(model, storedModel(asset_.info) == &model)});
     const VkPipelineShaderStageCreateInfo stages[] = {
         {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT,
          vertexShader_->handle(), "main", nullptr},
@@ -113,11 +113,11 @@ VkPipeline Renderer::pipeline(const Model& model, int size, const GpuBindings& b
 }
 
 Picture Renderer::draw(const View& view, const Model& model) {
-    int size = LIGHTS_SUN;
+    int lightClass = LIGHTS_SUN;
     for (const Light& light : view.lights)
-        size = std::min(size, isSphere(light) ? LIGHTS_ANY : lightsOf(light.cap.sinRadius));
-    const GpuBindings& bindings = *forms(model).bindings;
-    return picture(view, pipeline(model, size, bindings), bindings, {});
+        lightClass = std::min(lightClass, isSphere(light) ? LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
+    const GpuBindings& bindings = *allParams(model).bindings;
+    return picture(view, pipeline(model, lightClass, bindings), bindings, {});
 }
 
 Picture Renderer::drawShadowMapped(const View& view) {

@@ -19,8 +19,8 @@ public:
     ~Renderer();
 
     // The scene through one model: made from the four numbers, or the one that the asset stores. A model's
-    // forms are uploaded and its pipeline made, from the one shader, when it is first asked for. Throws Error
-    // where the asset does not hold the model, or the picture or the forms are too large for the device.
+    // parameters are uploaded and its pipeline made, from the one shader, when it is first asked for. Throws Error
+    // where the asset does not hold the model, or the picture or the parameters are too large for the device.
     Picture draw(const View& view, const Model& model);
 
     // The baseline: N.L, a shadow map of 2048 texels a side and percentage-closer soft shadows; no occlusion
@@ -28,12 +28,12 @@ public:
     Picture drawShadowMapped(const View& view);
 
 private:
-    struct Forms {
+    struct AllParams {
         std::unique_ptr<GpuBuffer> buffer;
         std::unique_ptr<GpuBindings> bindings;
     };
-    const Forms& forms(const Model& model);
-    VkPipeline pipeline(const Model& model, int size, const GpuBindings& bindings);
+    const AllParams& allParams(const Model& model);
+    VkPipeline pipeline(const Model& model, int lightClass, const GpuBindings& bindings);
     Picture picture(const View& view, VkPipeline drawing, const GpuBindings& bindings, const std::function<void(VkCommandBuffer)>& before);
 
     const Gpu& gpu_;
@@ -43,12 +43,12 @@ private:
     std::unique_ptr<GpuBuffer> vertices_, indices_, frame_;
     std::unique_ptr<GpuShader> vertexShader_, fragmentShader_;
     std::unique_ptr<ShadowMap> shadow_;
-    std::map<int, Forms> forms_;                           // by model
+    std::map<int, AllParams> allParams_;                           // by model
     std::map<std::pair<int, int>, VkPipeline> pipelines_;  // by model and class of lights
 };
 
-// lightThrough and skyThrough (x, y) of a model on the device, for each of `inputs`; `size` LIGHTS_... With `half` in
+// irradianceThrough and skyIrradiance (x, y) of a model on the device, for each of `inputs`; `size` LIGHTS_... With `half` in
 // 16-bit floats, for a device that offers them.
-std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int size, std::span<const Evaluation> inputs, bool half = false);
+std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int lightClass, std::span<const Evaluation> inputs, bool half = false);
 
 }  // namespace apertura

@@ -1,5 +1,5 @@
 #pragma once
-// What an asset stores beside _VISIBILITY: the forms of one primitive's vertices as bytes, without gaps.
+// What an asset stores beside _VISIBILITY: the parameters of one primitive's vertices as bytes, without gaps.
 //   a model of fixed size   its numbers, vertex after vertex
 //   auto                    a byte a vertex, the place of its choice in autoChoices, and 128 more where no model
 //                           came within the tolerance; then the numbers that each choice has, vertex after vertex
@@ -17,10 +17,10 @@ namespace apertura {
 std::span<const int> autoChoices();
 
 // Bytes of the forms, turned by `toLocal` into the frame of the primitive's vertices.
-std::vector<std::byte> packForms(const Model& model, std::span<const Form> forms, const mat3& toLocal, int bits);
+std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelParams> allParams, const mat3& toLocal, int bits);
 
-// `count` forms, turned by `toWorld`. Throws Error with the cause (the caller names the file) where the bytes
+// Parameters of `count` vertices, turned by `toWorld`. Throws Error with the cause (the caller names the file) where the bytes
 // are too few, too many, or name a choice that is none.
-std::vector<Form> unpackForms(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld, int bits);
+std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld, int bits);
 
 }  // namespace apertura

@@ -1,4 +1,4 @@
-// How forms travel: each field as numbers of -1..1, which the asset rounds to bytes or shorts.
+// How parameters travel: each field as numbers of -1..1, which the asset rounds to bytes or shorts.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 int numbersOf(Field field) {
     switch (field) {
         case Field::Cap:
-        case Field::FirmLobe: return 3;
+        case Field::HardLobe: return 3;
         case Field::Lobe: return 4;
         case Field::Bend:
         case Field::Bands2: return 5;
@@ -20,11 +20,11 @@ int numbersOf(Field field) {
     return 0;
 }
 
-// How many slots of a form the field takes.
+// How many slots of the parameters the field takes.
 int slotsOf(Field field) { return (std::max(numbersOf(field), 4) + 3) / 4; }
 
-float tame(float x) { return std::isfinite(x) ? x : 0; }
-float toUnit(float x) { return std::clamp(tame(x), -1.0f, 1.0f); }
+float finiteOrZero(float x) { return std::isfinite(x) ? x : 0; }
+float toUnit(float x) { return std::clamp(finiteOrZero(x), -1.0f, 1.0f); }
 
 // Octahedral: Meyer et al., "On Floating-Point Normal Vectors", 2010.
 vec2 toOctahedral(const vec3& w) {
@@ -52,22 +52,22 @@ float fromEdge(float edge, float slope) {
 }
 
 void packLobe(const vec4& slot, float* out, bool firm) {
-    const float slope = tame(length(vec3(slot)));
+    const float slope = finiteOrZero(length(vec3(slot)));
     const vec2 axis = toOctahedral(vec3(slot));
     out[0] = axis.x;
     out[1] = axis.y;
     if (firm) {
         // Half way up: the sign is kept for the flag.
-        out[2] = 0.5f + 0.5f * toEdge(tame(slot.w), kFirmness);
+        out[2] = 0.5f + 0.5f * toEdge(finiteOrZero(slot.w), kHardSharpness);
     } else {
         out[2] = toShare(slope, kMiddleSlope);
-        out[3] = toEdge(tame(slot.w), slope);
+        out[3] = toEdge(finiteOrZero(slot.w), slope);
     }
 }
 
 vec4 unpackLobe(const float* in, bool firm) {
     const vec3 axis = fromOctahedral({in[0], in[1]});
-    if (firm) return vec4(kFirmness * axis, fromEdge(2 * std::abs(in[2]) - 1, kFirmness));
+    if (firm) return vec4(kHardSharpness * axis, fromEdge(2 * std::abs(in[2]) - 1, kHardSharpness));
     const float slope = fromShare(std::abs(in[2]), kMiddleSlope);
     return vec4(slope * axis, fromEdge(in[3], slope));
 }
@@ -81,14 +81,14 @@ void packField(Field field, const vec4* slots, float* out) {
             const vec2 axis = toOctahedral(vec3(*slots));
             out[0] = axis.x;
             out[1] = axis.y;
-            out[2] = capRadius(tame(slots->w)) / PI;
+            out[2] = capRadius(finiteOrZero(slots->w)) / PI;
             break;
         }
         case Field::Lobe: packLobe(*slots, out, false); break;
-        case Field::FirmLobe: packLobe(*slots, out, true); break;
+        case Field::HardLobe: packLobe(*slots, out, true); break;
         case Field::Bend:
             for (int i = 0; i < 5; ++i) {
-                const float x = tame(flat(slots)[i]);
+                const float x = finiteOrZero(flat(slots)[i]);
                 out[i] = std::copysign(std::sqrt(toShare(std::abs(x), kMiddleBend)), x);
             }
             break;
@@ -103,7 +103,7 @@ void unpackField(Field field, const float* in, vec4* slots) {
     switch (field) {
         case Field::Cap: *slots = vec4(fromOctahedral({in[0], in[1]}), 1 - std::cos(std::abs(in[2]) * PI)); break;
         case Field::Lobe: *slots = unpackLobe(in, false); break;
-        case Field::FirmLobe: *slots = unpackLobe(in, true); break;
+        case Field::HardLobe: *slots = unpackLobe(in, true); break;
         case Field::Bend:
             for (int i = 0; i < 5; ++i) flat(slots)[i] = std::copysign(fromShare(in[i] * in[i], kMiddleBend), in[i]);
             break;
@@ -137,7 +137,7 @@ void rotateBands(vec4* slots, int top, const mat3& rotation) {
 void setFlag(float& number) { number = -std::max(number, 1 / 127.0f); }
 
 // Where the flags of pairs stand: the signs of the second and the third firm lobe, where there are three or more.
-bool mayPair(const Model& model) { return model.storedFields >= 3 && model.stored[0] == Field::FirmLobe; }
+bool mayPair(const Model& model) { return model.storedFields >= 3 && model.stored[0] == Field::HardLobe; }
 
 }  // namespace
 
@@ -147,48 +147,48 @@ int storedNumbers(const Model& model) {
     return sum;
 }
 
-void packForm(const Model& model, const Form& form, std::span<float> numbers) {
+void packParams(const Model& model, const ModelParams& params, std::span<float> numbers) {
     size_t at = 0, slot = 0;
     for (int f = 0; f < model.storedFields; ++f) {
-        packField(model.stored[f], &form[slot], &numbers[at]);
+        packField(model.stored[f], &params[slot], &numbers[at]);
         at += size_t(numbersOf(model.stored[f]));
         slot += size_t(slotsOf(model.stored[f]));
     }
-    if (model.inverseSlot < 0) return;
-    const vec4& how = form[size_t(model.inverseSlot)];
+    if (model.combineSlot < 0) return;
+    const vec4& how = params[size_t(model.combineSlot)];
     if (how.x > 0.5f) setFlag(numbers[2]);
     if (mayPair(model) && how.w > 0.5f) setFlag(numbers[5]);
     if (mayPair(model) && how.w > 1.5f) setFlag(numbers[8]);
 }
 
-Form unpackForm(const Model& model, std::span<const float> numbers) {
-    Form form{};
+ModelParams unpackParams(const Model& model, std::span<const float> numbers) {
+    ModelParams params{};
     size_t at = 0, slot = 0;
     for (int f = 0; f < model.storedFields; ++f) {
-        unpackField(model.stored[f], &numbers[at], &form[slot]);
+        unpackField(model.stored[f], &numbers[at], &params[slot]);
         at += size_t(numbersOf(model.stored[f]));
         slot += size_t(slotsOf(model.stored[f]));
     }
-    if (model.inverseSlot >= 0) form[size_t(model.inverseSlot)].x = numbers[2] < 0 ? 1 : 0;
-    if (mayPair(model)) form[size_t(model.inverseSlot)].w = (numbers[5] < 0 ? 1.0f : 0.0f) + (numbers[8] < 0 ? 1.0f : 0.0f);
-    return form;
+    if (model.combineSlot >= 0) params[size_t(model.combineSlot)].x = numbers[2] < 0 ? 1 : 0;
+    if (mayPair(model)) params[size_t(model.combineSlot)].w = (numbers[5] < 0 ? 1.0f : 0.0f) + (numbers[8] < 0 ? 1.0f : 0.0f);
+    return params;
 }
 
-Form rotateForm(const Model& model, Form form, const mat3& rotation) {
+ModelParams rotateParams(const Model& model, ModelParams params, const mat3& rotation) {
     size_t slot = 0;
     for (int f = 0; f < model.storedFields; ++f) {
-        vec4& first = form[slot];
+        vec4& first = params[slot];
         switch (model.stored[f]) {
             case Field::Cap:
             case Field::Lobe:
-            case Field::FirmLobe: first = vec4(rotation * vec3(first), first.w); break;
+            case Field::HardLobe: first = vec4(rotation * vec3(first), first.w); break;
             case Field::Bend: {
                 const vec4 b = first;
-                const float yz = form[slot + 1].x;
+                const float yz = params[slot + 1].x;
                 const mat3 q(b.x, b.z, b.w, b.z, b.y, yz, b.w, yz, -b.x - b.y);
                 const mat3 r = rotation * q * transpose(rotation);
                 first = vec4(r[0][0], r[1][1], r[0][1], r[0][2]);
-                form[slot + 1].x = r[1][2];
+                params[slot + 1].x = r[1][2];
                 break;
             }
             case Field::Heights: break;  // about the normal in the world, whichever way the instance is turned
@@ -197,7 +197,7 @@ Form rotateForm(const Model& model, Form form, const mat3& rotation) {
         }
         slot += size_t(slotsOf(model.stored[f]));
     }
-    return form;
+    return params;
 }
 
 }  // namespace apertura

@@ -1,4 +1,4 @@
-#include "runtime/asset/form_stream.h"
+#include "runtime/asset/params_stream.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,30 +31,30 @@ float takeNumber(std::span<const unsigned char>& in, int bits) {
 
 std::span<const int> autoChoices() { return kChoices; }
 
-std::vector<std::byte> packForms(const Model& model, std::span<const Form> forms, const mat3& toLocal, int bits) {
+std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelParams> allParams, const mat3& toLocal, int bits) {
     std::vector<std::byte> out;
     if (model.id == MODEL_AUTO)
-        for (const Form& form : forms)
-            out.push_back(std::byte(std::find(std::begin(kChoices), std::end(kChoices), chosenModel(MODEL_AUTO, form)) - std::begin(kChoices))
-                          | (form[4].z > 0.5f ? kUnreached : std::byte(0)));
+        for (const ModelParams& params : allParams)
+            out.push_back(std::byte(std::find(std::begin(kChoices), std::end(kChoices), chosenModel(MODEL_AUTO, params)) - std::begin(kChoices))
+                          | (params[4].z > 0.5f ? kUnreached : std::byte(0)));
     float numbers[kMostNumbers];
-    for (const Form& form : forms) {
-        const Model& own = models()[size_t(chosenModel(model.id, form))];
+    for (const ModelParams& params : allParams) {
+        const Model& own = models()[size_t(chosenModel(model.id, params))];
         const size_t count = size_t(storedNumbers(own));
-        packForm(own, rotateForm(own, form, toLocal), std::span(numbers, count));
+        packParams(own, rotateParams(own, params, toLocal), std::span(numbers, count));
         for (size_t i = 0; i < count; ++i) putNumber(out, numbers[i], bits);
     }
     return out;
 }
 
-std::vector<Form> unpackForms(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld, int bits) {
+std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld, int bits) {
     std::span<const unsigned char> tags;
     if (model.id == MODEL_AUTO) {
         if (bytes.size() < count) throw Error("the models' choices end too soon");
         tags = bytes.first(count);
         bytes = bytes.subspan(count);
     }
-    std::vector<Form> out(count);
+    std::vector<ModelParams> out(count);
     float numbers[kMostNumbers];
     for (size_t i = 0; i < count; ++i) {
         int id = model.id;
@@ -67,7 +67,7 @@ std::vector<Form> unpackForms(const Model& model, std::span<const unsigned char>
         const size_t n = size_t(storedNumbers(own));
         if (bytes.size() < n * size_t(bits / 8)) throw Error("the models' numbers end too soon");
         for (size_t k = 0; k < n; ++k) numbers[k] = takeNumber(bytes, bits);
-        if (n) out[i] = rotateForm(own, unpackForm(own, std::span(numbers, n)), toWorld);
+        if (n) out[i] = rotateParams(own, unpackParams(own, std::span(numbers, n)), toWorld);
         if (model.id == MODEL_AUTO) out[i][4].y = float(id), out[i][4].z = tags[i] & 0x80 ? 1 : 0;
     }
     if (!bytes.empty()) throw Error("there are more of the models' numbers than vertices");
