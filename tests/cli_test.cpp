@@ -207,7 +207,7 @@ TEST(Cli, WhatCannotBeWrittenIsSaidBeforeTheWork) {
     const auto start = std::chrono::steady_clock::now();
     expectRefusal("bake " + scene + " -o " + out + " --rays 1048576", 1, latin + ".obj");
     expectRefusal("bake builtin:terrain -o " + (folder / std::string(252, 'n')) + ".glb --rays 1048576", 1, "name too long");
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(120));
     EXPECT_EQ(folder.files(), 2u);
     EXPECT_EQ(run("bake " + plain + " -o " + (folder / latin) + ".glb --rays 4").code, 0) << "the name of an asset need not be UTF-8: it is not in it";
     EXPECT_EQ(run("bake " + plain + " -o " + (folder / std::string(251, 'n')) + ".glb --rays 4").code, 0);
@@ -283,7 +283,7 @@ TEST(Cli, MutantsEndInOneLine) {
 #else
     const char* runs = "300";
 #endif
-    const std::string command = std::string("/usr/bin/python3 " APERTURA_SOURCE "/tests/mutants.py ") + program + " --jobs 2 --runs " + runs + " --keep "
+    const std::string command = std::string("/usr/bin/python3 " APERTURA_SOURCE "/tests/mutants.py ") + program + " --jobs 2 --seconds 120 --runs " + runs + " --keep "
                               + (std::filesystem::temp_directory_path() / "apertura-mutants").string() + " >" + (folder / "log") + " 2>&1";
     EXPECT_EQ(std::system(command.c_str()), 0) << slurp(folder / "log");
 }
