@@ -279,9 +279,9 @@ TEST(Cli, MutantsEndInOneLine) {
     const std::string program = APERTURA_PROGRAM;
     const Folder folder;
 #ifdef __SANITIZE_ADDRESS__
-    const char* runs = "60";
+    const char* runs = "20";
 #else
-    const char* runs = "300";
+    const char* runs = "100";
 #endif
     const std::string command = std::string("/usr/bin/python3 " APERTURA_SOURCE "/tests/mutants.py ") + program + " --jobs 2 --seconds 120 --runs " + runs + " --keep "
                               + (std::filesystem::temp_directory_path() / "apertura-mutants").string() + " >" + (folder / "log") + " 2>&1";
