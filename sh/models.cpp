@@ -1,7 +1,9 @@
 #include "sh/models.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <stdexcept>
 
 #include "sh/aperture.h"
 #include "sh/soft.h"
@@ -11,11 +13,8 @@ namespace {
 
 ModelParams nothing(const Visibility&, const vec3&) { return {}; }
 
-vec4 slotOf(const Aperture& a) { return vec4(a.axis, a.height); }
-
 ModelParams oneCap(const Visibility& v, const vec3& normal) {
-    const Aperture a = toAperture(v, normal);
-    return {slotOf(a), vec4(0, a.terms)};
+    return paramsOf(withAperture({}, toAperture(v, normal), 1));
 }
 
 // The cap of uniform opacity with all four numbers: its height from |D| / A, which is 1 - height / 2.
@@ -24,8 +23,8 @@ ModelParams alphaCap(const Visibility& any, const vec3& normal) {
     Aperture a = toAperture(v, normal);
     const float share = v.area > 0 ? length(v.direction) / v.area : 1;
     const float area = a.height;
-    a.height = std::clamp(2 - 2 * share, area, 2.0f);
-    return {slotOf(a), vec4(a.height > 0 ? area / a.height : 0, capTermsOf(a.height))};
+    a = makeAperture(a.axis, std::clamp(2 - 2 * share, area, 2.0f));
+    return paramsOf(withAperture({}, a, a.height > 0 ? area / a.height : 0));
 }
 
 // The cap and the anti-cap of the blocked part, weighed by which of the two is nearer to being a cap.
@@ -37,9 +36,7 @@ ModelParams capAndAnti(const Visibility& any, const vec3& normal) {
     };
     const float open = deficit(v), closed = deficit(blocked);
     const float sum = open + closed;
-    const Aperture cap = toAperture(v, normal), anti = toAperture(blocked, normal);
-    return {slotOf(cap), slotOf(anti), vec4(sum > 1e-6f ? open / sum : 0, 0, cap.terms.z, anti.terms.z),
-            vec4(vec2(cap.terms), vec2(anti.terms))};
+    return paramsOf(withTwoCaps({}, {toAperture(v, normal), toAperture(blocked, normal), sum > 1e-6f ? open / sum : 0, 0}));
 }
 
 // No number of a lobe reaches beyond what 16 bits can square, anywhere on the sphere.
@@ -64,10 +61,11 @@ vec4 limitSharpness(const vec4& lobe) {
 }
 
 // A quadric within the same bounds; its edge becomes softer, its area stays nearly.
-void limitQuadric(vec4& lobe, vec4& bend, float& bendYz) {
-    const double reach = length(dvec3(lobe)) + std::abs(lobe.w) + std::sqrt(glm::dot(glm::dvec4(bend), glm::dvec4(bend)) + double(bendYz) * bendYz);
+SoftQuadric limitQuadric(const SoftQuadric& q) {
+    const double bend = glm::dot(glm::dvec4(q.bend), glm::dvec4(q.bend)) + double(q.bendYz) * q.bendYz;
+    const double reach = length(dvec3(q.slope)) + std::abs(q.offset) + std::sqrt(bend);
     const float scale = float(std::min(1.0, kFarthest / std::max(reach, 1e-6)));
-    lobe *= scale, bend *= scale, bendYz *= scale;
+    return {q.slope * scale, q.offset * scale, q.bend * scale, q.bendYz * scale};
 }
 
 ModelParams oneLobe(const Visibility& v, const vec3& normal) {
@@ -76,39 +74,103 @@ ModelParams oneLobe(const Visibility& v, const vec3& normal) {
 }
 
 using enum Field;
+using Kind = ModelKind;
 constexpr Model kModels[] = {
-    {MODEL_UNSHADOWED, "unshadowed", 0, 0, true, true, "N.L, no visibility: the baseline of cost", nothing, {}, 0, -1},
-    {MODEL_AO, "ao", 1, 0, true, true, "visible area alone", nothing, {}, 0, -1},
-    {MODEL_SH_L1, "sh-l1", 4, 0, true, true, "SH bands 0 and 1 of visibility, evaluated at the light", nothing, {}, 0, -1},
-    {MODEL_SH_L2, "sh-l2", 9, 2, true, true, "SH bands 0 to 2", nullptr, {Bands2}, 1, -1},
-    {MODEL_SH_L4, "sh-l4", 25, 6, true, true, "SH bands 0 to 4", nullptr, {Bands4}, 1, -1},
-    {MODEL_OAT, "oat", 3, 1, true, true, "aperture, formula as published in 2006", oneCap, {}, 0, -1},
-    {MODEL_APERTURE, "aperture", 3, 2, false, false, "aperture, exact overlap of caps within 0.003", oneCap, {}, 0, -1},
-    {MODEL_ALPHA, "alpha", 4, 2, false, false, "translucent aperture with all four numbers", alphaCap, {}, 0, -1},
-    {MODEL_ANTI, "anti", 4, 4, false, false, "aperture, anti-aperture or a blend of both", capAndAnti, {Cap}, 1, 2},
-    {MODEL_SOFT, "soft", 4, 1, true, false, "soft-edged aperture, uses all four numbers", oneLobe, {}, 0, -1},
-    {MODEL_FIRM_2, "firm-2", 6, 3, false, false, "two hard-edged lobes", nullptr, {HardLobe, HardLobe}, 2, 2},
-    {MODEL_SOFT_2, "soft-2", 8, 3, false, false, "two soft lobes", nullptr, {Lobe, Lobe}, 2, 2},
-    {MODEL_SOFT_L2, "soft-l2", 9, 3, true, false, "soft aperture with a quadratic exponent", nullptr, {Lobe, Bend}, 2, -1},
-    {MODEL_FIRM_3, "firm-3", 9, 4, false, false, "three hard-edged lobes", nullptr, {HardLobe, HardLobe, HardLobe}, 3, 3},
-    {MODEL_FIRM_4, "firm-4", 12, 5, false, false, "four hard-edged lobes", nullptr, {HardLobe, HardLobe, HardLobe, HardLobe}, 4, 4},
-    {MODEL_MULTI_2, "multi-2", 6, 3, false, false, "two apertures", nullptr, {Cap, Cap}, 2, -1},
-    {MODEL_MULTI_3, "multi-3", 9, 5, false, false, "three apertures", nullptr, {Cap, Cap, Cap}, 3, -1},
-    {MODEL_MULTI_4, "multi-4", 12, 6, false, false, "four apertures", nullptr, {Cap, Cap, Cap, Cap}, 4, -1},
-    {MODEL_CAP_ANTI, "cap-anti", 6, 4, false, false, "two of aperture and anti-aperture", nullptr, {Cap, Cap}, 2, 2},
-    {MODEL_HORIZON, "horizon", 16, 4, false, true, "horizon at 16 azimuths: the rival", nullptr, {Heights}, 1, -1},
-    {MODEL_AUTO, "auto", 0, 5, false, false, "the least model, chosen for each point", nullptr, {}, 0, -1},
+    {.id = MODEL_UNSHADOWED, .name = "unshadowed", .numbers = 0, .mixes = true, .baseline = true, .fromVisibility = nothing,
+     .what = "N.L, no visibility: the baseline of cost"},
+    {.id = MODEL_AO, .name = "ao", .kind = Kind::Area, .numbers = 1, .mixes = true, .baseline = true, .fromVisibility = nothing, .autoTag = 0,
+     .what = "visible area alone"},
+    {.id = MODEL_SH_L1, .name = "sh-l1", .numbers = 4, .mixes = true, .baseline = true, .fromVisibility = nothing,
+     .what = "SH bands 0 and 1 of visibility, evaluated at the light"},
+    {.id = MODEL_SH_L2, .name = "sh-l2", .numbers = 9, .slots = 2, .mixes = true, .baseline = true, .stored = {Bands2},
+     .what = "SH bands 0 to 2"},
+    {.id = MODEL_SH_L4, .name = "sh-l4", .numbers = 25, .slots = 6, .mixes = true, .baseline = true, .stored = {Bands4},
+     .what = "SH bands 0 to 4"},
+    {.id = MODEL_OAT, .name = "oat", .numbers = 3, .slots = 1, .mixes = true, .baseline = true, .fromVisibility = oneCap,
+     .what = "aperture, formula as published in 2006"},
+    {.id = MODEL_APERTURE, .name = "aperture", .kind = Kind::Aperture, .numbers = 3, .slots = 2, .fromVisibility = oneCap, .autoTag = 1,
+     .what = "aperture, exact overlap of caps within 0.003"},
+    {.id = MODEL_ALPHA, .name = "alpha", .kind = Kind::Aperture, .numbers = 4, .slots = 2, .fromVisibility = alphaCap,
+     .what = "translucent aperture with all four numbers"},
+    {.id = MODEL_ANTI, .name = "anti", .kind = Kind::Anti, .numbers = 4, .slots = 4, .fromVisibility = capAndAnti, .stored = {Cap},
+     .what = "aperture, anti-aperture or a blend of both"},
+    {.id = MODEL_SOFT, .name = "soft", .kind = Kind::Lobes, .numbers = 4, .slots = 1, .mixes = true, .fromVisibility = oneLobe, .autoTag = 2,
+     .what = "soft-edged aperture, uses all four numbers"},
+    {.id = MODEL_FIRM_2, .name = "firm-2", .kind = Kind::Lobes, .parts = 2, .numbers = 6, .slots = 3, .stored = {HardLobe, HardLobe}, .autoTag = 3,
+     .what = "two hard-edged lobes"},
+    {.id = MODEL_SOFT_2, .name = "soft-2", .kind = Kind::Lobes, .parts = 2, .numbers = 8, .slots = 3, .stored = {Lobe, Lobe}, .autoTag = 4,
+     .what = "two soft lobes"},
+    {.id = MODEL_SOFT_L2, .name = "soft-l2", .kind = Kind::Quadric, .numbers = 9, .slots = 3, .mixes = true, .stored = {Lobe, Bend}, .autoTag = 6,
+     .what = "soft aperture with a quadratic exponent"},
+    {.id = MODEL_FIRM_3, .name = "firm-3", .kind = Kind::Lobes, .parts = 3, .numbers = 9, .slots = 4, .stored = {HardLobe, HardLobe, HardLobe},
+     .autoTag = 5, .what = "three hard-edged lobes"},
+    {.id = MODEL_FIRM_4, .name = "firm-4", .kind = Kind::Lobes, .parts = 4, .numbers = 12, .slots = 5,
+     .stored = {HardLobe, HardLobe, HardLobe, HardLobe}, .autoTag = 7, .what = "four hard-edged lobes"},
+    {.id = MODEL_MULTI_2, .name = "multi-2", .kind = Kind::Union, .parts = 2, .numbers = 6, .slots = 3, .stored = {Cap, Cap}, .what = "two apertures"},
+    {.id = MODEL_MULTI_3, .name = "multi-3", .kind = Kind::Union, .parts = 3, .numbers = 9, .slots = 5, .stored = {Cap, Cap, Cap},
+     .what = "three apertures"},
+    {.id = MODEL_MULTI_4, .name = "multi-4", .kind = Kind::Union, .parts = 4, .numbers = 12, .slots = 6, .stored = {Cap, Cap, Cap, Cap},
+     .what = "four apertures"},
+    {.id = MODEL_CAP_ANTI, .name = "cap-anti", .kind = Kind::CapAnti, .parts = 2, .numbers = 6, .slots = 4, .stored = {Cap, Cap},
+     .what = "two of aperture and anti-aperture"},
+    {.id = MODEL_HORIZON, .name = "horizon", .numbers = 16, .slots = 4, .baseline = true, .stored = {Heights},
+     .what = "horizon at 16 azimuths: the rival"},
+    {.id = MODEL_AUTO, .name = "auto", .kind = Kind::Choice, .numbers = 0, .slots = 5, .what = "the least model, chosen for each point"},
 };
-static_assert(std::size(kModels) == MODEL_COUNT);
+static_assert(std::size(kModels) == MODEL_COUNT, "every MODEL_... of shaders/receiver.glsl has a row here");
+
+constexpr int autoCount() {
+    return int(std::count_if(std::begin(kModels), std::end(kModels), [](const Model& model) { return model.autoTag >= 0; }));
+}
+constexpr std::array<const Model*, autoCount()> kAutoModels = [] {
+    std::array<const Model*, autoCount()> out{};
+    for (const Model& model : kModels)
+        if (model.autoTag >= 0) out[size_t(model.autoTag)] = &model;
+    return out;
+}();
+
+constexpr int slotsNeeded(const Model& model) {
+    switch (model.kind) {
+        case ModelKind::Lobes: return model.parts == 1 ? 1 : model.parts + 1;
+        case ModelKind::Union: return model.parts + (model.parts + 1) / 2;
+        case ModelKind::Anti:
+        case ModelKind::CapAnti: return 4;
+        case ModelKind::Aperture: return 2;
+        case ModelKind::Quadric: return 3;
+        case ModelKind::Choice: return CHOICE_SLOT + 1;
+        default: return 0;
+    }
+}
+
+// What a row must be for the rest to follow from it.
+constexpr bool isSound(const Model& model, int place) {
+    const bool made = model.fromVisibility || model.stored[0] != None || model.kind == ModelKind::Choice;
+    const bool tagged = model.autoTag < 0 || kAutoModels[size_t(model.autoTag)] == &model;
+    return model.id == place && made && tagged && !model.name.empty() && !model.what.empty() && model.slots <= MAX_SLOTS && model.slots >= slotsNeeded(model);
+}
 static_assert([] {
     for (int i = 0; i < MODEL_COUNT; ++i)
-        if (kModels[i].id != i || kModels[i].slots > MAX_SLOTS) return false;
-    return true;
-}());
+        if (!isSound(kModels[i], i)) return false;
+    return std::find(kAutoModels.begin(), kAutoModels.end(), nullptr) == kAutoModels.end();
+}(), "rows stand in the order of their ids, are made or stored, have the slots that their kind needs, and tags without gaps");
 
 }  // namespace
 
-std::span<const Model> models() { return kModels; }
+bool hasFormula(const Model& model, int lightClass) {
+    Receiver receiver{vec3(0, 0, 1), vec4(0, 0, 1, 2), {}};
+    const CapLight light = capLight(receiver.normal, 0.01f);
+    if (model.autoTag >= 0) {
+        receiver.params[CHOICE_SLOT] = withChoice(vec4(0), {model.id, false});
+        if (irradianceThrough(MODEL_AUTO, receiver, light, lightClass) == NO_FORMULA) return false;
+    }
+    return irradianceThrough(model.id, receiver, light, lightClass) != NO_FORMULA;
+}
+
+std::span<const Model> models() {
+    static const bool allHave = std::all_of(std::begin(kModels), std::end(kModels), [](const Model& m) { return m.kind == Kind::Choice || hasFormula(m, LIGHTS_ANY); });
+    if (!allHave) throw std::logic_error("a model of sh/models.cpp has no formula in shaders/models.glsl");
+    return kModels;
+}
 
 const Model* findModel(std::string_view name) {
     for (const Model& model : kModels)
@@ -116,30 +178,47 @@ const Model* findModel(std::string_view name) {
     return nullptr;
 }
 
+std::span<const Model* const> autoModels() { return kAutoModels; }
+
+const Model& chosenModel(const Model& model, const ModelParams& params) {
+    if (model.kind != ModelKind::Choice) return model;
+    const int id = choiceIn(params[CHOICE_SLOT]).model;
+    assert(id >= 0 && id < MODEL_COUNT && kModels[id].autoTag >= 0);
+    return kModels[std::clamp(id, 0, MODEL_COUNT - 1)];
+}
+
+void setChoice(ModelParams& params, const Model& chosen, bool outOfReach) {
+    params[CHOICE_SLOT] = withChoice(params[CHOICE_SLOT], {chosen.id, outOfReach});
+}
+
 namespace {
 
-// Stored lobes with their sharpness limited, and the sizes of stored caps in the slots behind them where the shaders look for them.
-ModelParams withCapTerms(const Model& model, ModelParams params) {
-    if (model.id == MODEL_SOFT_L2) {
-        limitQuadric(params[0], params[1], params[2].x);
-        return params;
+Aperture withTerms(const vec4& slot) { return apertureIn(slot, capTermsOf(slot.w)); }
+
+// Parameters as they were stored, with what the shader reads beside: lobes within bounds, the terms of caps.
+ModelParams completed(const Model& model, const ModelParams& stored) {
+    Receiver r{};
+    std::copy(stored.begin(), stored.end(), r.params);
+    switch (model.kind) {
+        case ModelKind::Quadric: r = withQuadric(r, limitQuadric(quadricIn(r))); break;
+        case ModelKind::Lobes:
+            for (int k = 0; k < model.parts; ++k) r.params[k] = limitSharpness(r.params[k]);
+            break;
+        case ModelKind::Union:
+            for (int k = 0; k < model.parts; ++k) r = withApertureOfUnion(r, model.parts, k, withTerms(r.params[k]));
+            break;
+        case ModelKind::Anti:  // either of the two
+            r = withTwoCaps(r, {withTerms(r.params[0]), withTerms(r.params[0]), twoCapsIn(r).weight, 0});
+            break;
+        case ModelKind::CapAnti: {
+            // What is evaluated is the complement of a cap over a hemisphere.
+            auto smaller = [](const vec4& slot) { return apertureIn(slot, capTermsOf(std::min(slot.w, 2 - slot.w))); };
+            r = withTwoCaps(r, {smaller(r.params[0]), smaller(r.params[1]), twoCapsIn(r).weight, dot(vec3(r.params[0]), vec3(r.params[1]))});
+            break;
+        }
+        default: break;
     }
-    for (int k = 0; k < model.storedFields && (model.stored[size_t(k)] == Lobe || model.stored[size_t(k)] == HardLobe); ++k)
-        params[size_t(k)] = limitSharpness(params[size_t(k)]);
-    int caps = 0;
-    while (caps < model.storedFields && model.stored[size_t(caps)] == Cap) ++caps;
-    const int behind = model.combineSlot >= 0 ? model.combineSlot + 1 : caps;
-    for (int k = 0; k < caps; ++k) {
-        const float height = params[size_t(k)].w;
-        // Of a product of caps, the complement of one over a hemisphere is what is evaluated.
-        const vec3 terms = capTermsOf(model.id == MODEL_CAP_ANTI ? std::min(height, 2 - height) : height);
-        vec4& slot = params[size_t(behind + k / 2)];
-        (k % 2 ? slot.z : slot.x) = terms.x;
-        (k % 2 ? slot.w : slot.y) = terms.y;
-        if (model.id == MODEL_CAP_ANTI) (k % 2 ? params[2].w : params[2].z) = terms.z;
-    }
-    if (model.id == MODEL_CAP_ANTI) params[2].y = dot(vec3(params[0]), vec3(params[1]));
-    return params;
+    return paramsOf(r);
 }
 
 }  // namespace
@@ -148,14 +227,10 @@ ModelParams toParams(const Model& model, const Visibility& visibility, const Mod
     const float squared = dot(anyNormal, anyNormal);
     const vec3 normal = squared > 0 && std::isfinite(squared) ? anyNormal / std::sqrt(squared) : vec3(0, 1, 0);
     if (!stored) return model.fromVisibility ? model.fromVisibility(visibility, normal) : ModelParams{};
-    if (model.id == MODEL_ANTI) {
-        const vec3 terms = capTermsOf((*stored)[0].w);
-        return {(*stored)[0], (*stored)[0], vec4((*stored)[2].x, 0, terms.z, terms.z), vec4(vec2(terms), vec2(terms))};
-    }
-    const Model& chosen = kModels[chosenModel(model.id, *stored)];
-    if (!chosen.fromVisibility) return withCapTerms(chosen, *stored);
+    const Model& chosen = chosenModel(model, *stored);
+    if (chosen.isStored()) return completed(chosen, *stored);
     ModelParams out = chosen.fromVisibility(visibility, normal);
-    out[4] = (*stored)[4];
+    out[CHOICE_SLOT] = (*stored)[CHOICE_SLOT];
     return out;
 }
 

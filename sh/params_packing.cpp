@@ -7,24 +7,7 @@
 namespace apertura {
 namespace {
 
-int numbersOf(Field field) {
-    switch (field) {
-        case Field::Cap:
-        case Field::HardLobe: return 3;
-        case Field::Lobe: return 4;
-        case Field::Bend:
-        case Field::Bands2: return 5;
-        case Field::Heights: return HORIZON_AZIMUTHS;
-        case Field::Bands4: return 21;
-    }
-    return 0;
-}
-
-// How many slots of the parameters the field takes.
-int slotsOf(Field field) { return (std::max(numbersOf(field), 4) + 3) / 4; }
-
 float finiteOrZero(float x) { return std::isfinite(x) ? x : 0; }
-float toUnit(float x) { return std::clamp(finiteOrZero(x), -1.0f, 1.0f); }
 
 // Octahedral: Meyer et al., "On Floating-Point Normal Vectors", 2010.
 vec2 toOctahedral(const vec3& w) {
@@ -51,74 +34,76 @@ float fromEdge(float edge, float slope) {
     return e * std::sqrt((1 + slope * slope) / (1 - e * e));
 }
 
-void packLobe(const vec4& slot, float* out, bool firm) {
-    const float slope = finiteOrZero(length(vec3(slot)));
-    const vec2 axis = toOctahedral(vec3(slot));
-    out[0] = axis.x;
-    out[1] = axis.y;
-    if (firm) {
-        // Half way up: the sign is kept for the flag.
-        out[2] = 0.5f + 0.5f * toEdge(finiteOrZero(slot.w), kHardSharpness);
-    } else {
-        out[2] = toShare(slope, kMiddleSlope);
-        out[3] = toEdge(finiteOrZero(slot.w), slope);
-    }
-}
-
-vec4 unpackLobe(const float* in, bool firm) {
-    const vec3 axis = fromOctahedral({in[0], in[1]});
-    if (firm) return vec4(kHardSharpness * axis, fromEdge(2 * std::abs(in[2]) - 1, kHardSharpness));
-    const float slope = fromShare(std::abs(in[2]), kMiddleSlope);
-    return vec4(slope * axis, fromEdge(in[3], slope));
-}
-
 float* flat(vec4* slots) { return &slots->x; }
 const float* flat(const vec4* slots) { return &slots->x; }
 
-void packField(Field field, const vec4* slots, float* out) {
-    switch (field) {
-        case Field::Cap: {
-            const vec2 axis = toOctahedral(vec3(*slots));
-            out[0] = axis.x;
-            out[1] = axis.y;
-            out[2] = capRadius(finiteOrZero(slots->w)) / PI;
-            break;
-        }
-        case Field::Lobe: packLobe(*slots, out, false); break;
-        case Field::HardLobe: packLobe(*slots, out, true); break;
-        case Field::Bend:
-            for (int i = 0; i < 5; ++i) {
-                const float x = finiteOrZero(flat(slots)[i]);
-                out[i] = std::copysign(std::sqrt(toShare(std::abs(x), kMiddleBend)), x);
-            }
-            break;
-        case Field::Heights:
-        case Field::Bands2:
-        case Field::Bands4: std::copy_n(flat(slots), numbersOf(field), out); break;
-    }
-    for (int i = 0; i < numbersOf(field); ++i) out[i] = toUnit(out[i]);
+void packAxis(const vec3& axis, float* out) {
+    const vec2 p = toOctahedral(axis);
+    out[0] = p.x;
+    out[1] = p.y;
+}
+vec3 unpackAxis(const float* in) { return fromOctahedral({in[0], in[1]}); }
+void rotateAxis(vec4* slots, const mat3& rotation) { *slots = vec4(rotation * vec3(*slots), slots->w); }
+
+void packCap(const vec4* slots, float* out) {
+    packAxis(vec3(*slots), out);
+    out[2] = capRadius(finiteOrZero(slots->w)) / PI;
+}
+void unpackCap(const float* in, vec4* slots) { *slots = vec4(unpackAxis(in), 1 - std::cos(std::abs(in[2]) * PI)); }
+
+void packLobe(const vec4* slots, float* out) {
+    const float slope = finiteOrZero(length(vec3(*slots)));
+    packAxis(vec3(*slots), out);
+    out[2] = toShare(slope, kMiddleSlope);
+    out[3] = toEdge(finiteOrZero(slots->w), slope);
+}
+void unpackLobe(const float* in, vec4* slots) {
+    const float slope = fromShare(std::abs(in[2]), kMiddleSlope);
+    *slots = vec4(slope * unpackAxis(in), fromEdge(in[3], slope));
 }
 
-void unpackField(Field field, const float* in, vec4* slots) {
-    switch (field) {
-        case Field::Cap: *slots = vec4(fromOctahedral({in[0], in[1]}), 1 - std::cos(std::abs(in[2]) * PI)); break;
-        case Field::Lobe: *slots = unpackLobe(in, false); break;
-        case Field::HardLobe: *slots = unpackLobe(in, true); break;
-        case Field::Bend:
-            for (int i = 0; i < 5; ++i) flat(slots)[i] = std::copysign(fromShare(in[i] * in[i], kMiddleBend), in[i]);
-            break;
-        case Field::Heights:
-        case Field::Bands2:
-        case Field::Bands4: std::copy_n(in, numbersOf(field), flat(slots)); break;
-    }
+void packHardLobe(const vec4* slots, float* out) {
+    packAxis(vec3(*slots), out);
+    out[2] = 0.5f + 0.5f * toEdge(finiteOrZero(slots->w), kHardSharpness);  // 0..1: the sign is a flag
+}
+void unpackHardLobe(const float* in, vec4* slots) {
+    *slots = vec4(kHardSharpness * unpackAxis(in), fromEdge(2 * std::abs(in[2]) - 1, kHardSharpness));
 }
 
-// The coefficients of the bands 2 to `top` of the turned function, by a product quadrature that is exact for
-// them: five nodes of Gauss and Legendre, ten azimuths.
-void rotateBands(vec4* slots, int top, const mat3& rotation) {
+void packBend(const vec4* slots, float* out) {
+    for (int i = 0; i < 5; ++i) {
+        const float x = finiteOrZero(flat(slots)[i]);
+        out[i] = std::copysign(std::sqrt(toShare(std::abs(x), kMiddleBend)), x);
+    }
+}
+void unpackBend(const float* in, vec4* slots) {
+    for (int i = 0; i < 5; ++i) flat(slots)[i] = std::copysign(fromShare(in[i] * in[i], kMiddleBend), in[i]);
+}
+void rotateBend(vec4* slots, const mat3& rotation) {
+    const vec4 b = slots[0];
+    const float yz = slots[1].x;
+    const mat3 q(b.x, b.z, b.w, b.z, b.y, yz, b.w, yz, -b.x - b.y);
+    const mat3 r = rotation * q * transpose(rotation);
+    slots[0] = vec4(r[0][0], r[1][1], r[0][1], r[0][2]);
+    slots[1].x = r[1][2];
+}
+
+template <int Count>
+void packPlain(const vec4* slots, float* out) {
+    std::copy_n(flat(slots), Count, out);
+}
+template <int Count>
+void unpackPlain(const float* in, vec4* slots) {
+    std::copy_n(in, Count, flat(slots));
+}
+
+// The coefficients of the bands 2 to Top of the turned function, by a product quadrature that is exact for
+// them: five Gauss–Legendre nodes, ten azimuths.
+template <int Top>
+void rotateBands(vec4* slots, const mat3& rotation) {
     static const float nodes[5] = {-0.9061798459f, -0.5384693101f, 0, 0.5384693101f, 0.9061798459f};
     static const float weights[5] = {0.2369268851f, 0.4786286705f, 0.5688888889f, 0.4786286705f, 0.2369268851f};
-    const int count = top == 2 ? 5 : 21;
+    constexpr int count = Top == 2 ? 5 : 21;
     float out[24]{};
     for (int i = 0; i < 5; ++i)
         for (int k = 0; k < 10; ++k) {
@@ -132,71 +117,88 @@ void rotateBands(vec4* slots, int top, const mat3& rotation) {
     std::copy_n(out, count, flat(slots));
 }
 
-// A cap's or a firm lobe's third number, and a lobe's, is never negative by itself: its sign is a flag. A
+// Heights are about the normal in the world, whichever way the instance is turned.
+void rotateNothing(vec4*, const mat3&) {}
+
+// How one field travels.
+struct Packing {
+    int numbers, slots;
+    void (*pack)(const vec4* slots, float* numbers);  // of any values; the caller clamps what comes out
+    void (*unpack)(const float* numbers, vec4* slots);
+    void (*rotate)(vec4* slots, const mat3& rotation);
+};
+
+const Packing& packingOf(Field field) {
+    static constexpr Packing cap{3, 1, packCap, unpackCap, rotateAxis};
+    static constexpr Packing lobe{4, 1, packLobe, unpackLobe, rotateAxis};
+    static constexpr Packing hardLobe{3, 1, packHardLobe, unpackHardLobe, rotateAxis};
+    static constexpr Packing bend{5, 2, packBend, unpackBend, rotateBend};
+    static constexpr Packing heights{HORIZON_AZIMUTHS, 4, packPlain<HORIZON_AZIMUTHS>, unpackPlain<HORIZON_AZIMUTHS>, rotateNothing};
+    static constexpr Packing bands2{5, 2, packPlain<5>, unpackPlain<5>, rotateBands<2>};
+    static constexpr Packing bands4{21, 6, packPlain<21>, unpackPlain<21>, rotateBands<4>};
+    switch (field) {
+        case Field::Cap: return cap;
+        case Field::Lobe: return lobe;
+        case Field::HardLobe: return hardLobe;
+        case Field::Bend: return bend;
+        case Field::Heights: return heights;
+        case Field::Bands2: return bands2;
+        case Field::Bands4: return bands4;
+        case Field::None: break;
+    }
+    static constexpr Packing none{};
+    return none;
+}
+
+// Calls use(packing, first number, first slot) for each field that the model stores.
+template <typename Use>
+void forFields(const Model& model, Use&& use) {
+    size_t number = 0, slot = 0;
+    for (const Field field : model.stored) {
+        if (field == Field::None) break;
+        const Packing& packing = packingOf(field);
+        use(packing, number, slot);
+        number += size_t(packing.numbers);
+        slot += size_t(packing.slots);
+    }
+}
+
+// The third number of a cap, of a lobe and of a hard lobe is never negative by itself: its sign is a flag. A
 // value that would round to nothing moves up to the least that has a sign.
 void setFlag(float& number) { number = -std::max(number, 1 / 127.0f); }
 
-// Where the flags of pairs stand: the signs of the second and the third firm lobe, where there are three or more.
-bool mayPair(const Model& model) { return model.storedFields >= 3 && model.stored[0] == Field::HardLobe; }
+// The flags of pairs are the signs of the second and the third hard lobe, where there are three or more.
+bool mayPair(const Model& model) { return model.parts >= 3 && model.stored[0] == Field::HardLobe; }
 
 }  // namespace
 
 int storedNumbers(const Model& model) {
     int sum = 0;
-    for (int f = 0; f < model.storedFields; ++f) sum += numbersOf(model.stored[f]);
+    forFields(model, [&](const Packing& packing, size_t, size_t) { sum += packing.numbers; });
     return sum;
 }
 
 void packParams(const Model& model, const ModelParams& params, std::span<float> numbers) {
-    size_t at = 0, slot = 0;
-    for (int f = 0; f < model.storedFields; ++f) {
-        packField(model.stored[f], &params[slot], &numbers[at]);
-        at += size_t(numbersOf(model.stored[f]));
-        slot += size_t(slotsOf(model.stored[f]));
-    }
-    if (model.combineSlot < 0) return;
-    const vec4& how = params[size_t(model.combineSlot)];
-    if (how.x > 0.5f) setFlag(numbers[2]);
-    if (mayPair(model) && how.w > 0.5f) setFlag(numbers[5]);
-    if (mayPair(model) && how.w > 1.5f) setFlag(numbers[8]);
+    forFields(model, [&](const Packing& packing, size_t number, size_t slot) { packing.pack(&params[slot], &numbers[number]); });
+    for (float& number : numbers) number = std::clamp(finiteOrZero(number), -1.0f, 1.0f);
+    if (model.flagSlot() < 0 || !model.isStored()) return;
+    const Combination combination = combinationIn(params[size_t(model.flagSlot())]);
+    if (combination.complement > 0.5f) setFlag(numbers[2]);
+    if (mayPair(model) && combination.pairs > 0.5f) setFlag(numbers[5]);
+    if (mayPair(model) && combination.pairs > 1.5f) setFlag(numbers[8]);
 }
 
 ModelParams unpackParams(const Model& model, std::span<const float> numbers) {
     ModelParams params{};
-    size_t at = 0, slot = 0;
-    for (int f = 0; f < model.storedFields; ++f) {
-        unpackField(model.stored[f], &numbers[at], &params[slot]);
-        at += size_t(numbersOf(model.stored[f]));
-        slot += size_t(slotsOf(model.stored[f]));
-    }
-    if (model.combineSlot >= 0) params[size_t(model.combineSlot)].x = numbers[2] < 0 ? 1 : 0;
-    if (mayPair(model)) params[size_t(model.combineSlot)].w = (numbers[5] < 0 ? 1.0f : 0.0f) + (numbers[8] < 0 ? 1.0f : 0.0f);
+    forFields(model, [&](const Packing& packing, size_t number, size_t slot) { packing.unpack(&numbers[number], &params[slot]); });
+    if (model.flagSlot() < 0 || !model.isStored()) return params;
+    const float pairs = mayPair(model) ? float(numbers[5] < 0) + float(numbers[8] < 0) : 0;
+    params[size_t(model.flagSlot())] = withCombination(vec4(0), {numbers[2] < 0 ? 1.0f : 0.0f, pairs});
     return params;
 }
 
 ModelParams rotateParams(const Model& model, ModelParams params, const mat3& rotation) {
-    size_t slot = 0;
-    for (int f = 0; f < model.storedFields; ++f) {
-        vec4& first = params[slot];
-        switch (model.stored[f]) {
-            case Field::Cap:
-            case Field::Lobe:
-            case Field::HardLobe: first = vec4(rotation * vec3(first), first.w); break;
-            case Field::Bend: {
-                const vec4 b = first;
-                const float yz = params[slot + 1].x;
-                const mat3 q(b.x, b.z, b.w, b.z, b.y, yz, b.w, yz, -b.x - b.y);
-                const mat3 r = rotation * q * transpose(rotation);
-                first = vec4(r[0][0], r[1][1], r[0][1], r[0][2]);
-                params[slot + 1].x = r[1][2];
-                break;
-            }
-            case Field::Heights: break;  // about the normal in the world, whichever way the instance is turned
-            case Field::Bands2: rotateBands(&first, 2, rotation); break;
-            case Field::Bands4: rotateBands(&first, 4, rotation); break;
-        }
-        slot += size_t(slotsOf(model.stored[f]));
-    }
+    forFields(model, [&](const Packing& packing, size_t, size_t slot) { packing.rotate(&params[slot], rotation); });
     return params;
 }
 

@@ -6,6 +6,9 @@
 #include "horizon.glsl"
 #include "several.glsl"
 
+// What irradianceThrough returns where a model has none: no irradiance is below zero.
+const float NO_FORMULA = -1.0f;
+
 // Visibility averaged over a cap light, from its SH up to band `bands`.
 APERTURA_FN float shVisibility(Receiver receiver, CapLight light, int bands) {
     vec4 blur = capBlur(light.height);
@@ -22,80 +25,85 @@ APERTURA_FN float shVisibility(Receiver receiver, CapLight light, int bands) {
     return clamp(v, 0.0f, 1.0f);
 }
 
-// E of a cap light by one model's formula.
-APERTURA_FN float irradianceThroughModel(int model, Receiver receiver, CapLight light, int lightClass) {
-    vec3 n = receiver.normal;
-    vec3 zero = vec3(0.0f);  // the published formula makes its own of the height
-    if (model == MODEL_OAT) return oatIrradianceThroughAperture(n, apertureIn(receiver.params[0], zero), light);
-    // Where the sizes of the caps stand: sh/models.cpp puts them there.
-    if (model == MODEL_APERTURE || model == MODEL_ALPHA) {
-        float e = irradianceThroughAperture(n, apertureIn(receiver.params[0], vec3(receiver.params[1].y, receiver.params[1].z, receiver.params[1].w)), light, lightClass);
-        return model == MODEL_ALPHA ? receiver.params[1].x * e : e;
-    }
-    vec4 sizes = receiver.params[3];  // of two
-    vec4 combine = receiver.params[2];
-    Aperture first = apertureIn(receiver.params[0], vec3(sizes.x, sizes.y, combine.z));
-    Aperture second = apertureIn(receiver.params[1], vec3(sizes.z, sizes.w, combine.w));
-    if (model == MODEL_ANTI) {
-        float cap = irradianceThroughAperture(n, first, light, lightClass);
-        float anti = unoccludedIrradiance(n, light, lightClass) - irradianceThroughAperture(n, second, light, lightClass);
-        return mix(cap, max(anti, 0.0f), combine.x);
-    }
-    if (model == MODEL_CAP_ANTI) return irradianceThroughTwoCaps(n, first, second, combine.y, combine.x, light, lightClass);
-    if (model == MODEL_SOFT) return irradianceThroughSoft(n, softIn(receiver.params[0]), light, lightClass);
-    if (model == MODEL_SOFT_2 || model == MODEL_FIRM_2) return irradianceThroughLobes(receiver, 2, light, lightClass);
-    if (model == MODEL_FIRM_3) return irradianceThroughLobes(receiver, 3, light, lightClass);
-    if (model == MODEL_FIRM_4) return irradianceThroughLobes(receiver, 4, light, lightClass);
-    if (model == MODEL_SOFT_L2)
-        return irradianceThroughQuadric(n, SoftQuadric(vec3(receiver.params[0]), receiver.params[0].w, receiver.params[1], receiver.params[2].x),
-                                   light, lightClass);
-    if (model == MODEL_HORIZON)
-        return irradianceOverHorizon(n, receiver.params[0], receiver.params[1], receiver.params[2], receiver.params[3], light, lightClass);
-    float open = unoccludedIrradiance(n, light, lightClass);
-    if (model == MODEL_MULTI_2 || model == MODEL_MULTI_3 || model == MODEL_MULTI_4) {
-        int count = model == MODEL_MULTI_2 ? 2 : (model == MODEL_MULTI_3 ? 3 : 4);
-        return open * visibleFractionOfUnion(receiver, count, light, lightClass);
-    }
-    if (model == MODEL_SH_L1) return open * shVisibility(receiver, light, 1);
-    if (model == MODEL_SH_L2) return open * shVisibility(receiver, light, 2);
-    if (model == MODEL_SH_L4) return open * shVisibility(receiver, light, 4);
-    if (model == MODEL_AO) return open * min(receiver.visibility.w / (2.0f * PI), 1.0f);
-    return open;
+// No light brings more than all of the sky does, dot(normal, D), which is known exactly: so no large one shines through an
+// opening that is smaller than its formula's error.
+APERTURA_FN float atMostTheSky(float e, Receiver receiver, int lightClass) {
+    return lightClass == LIGHTS_ANY ? min(e, max(dot(receiver.normal, vec3(receiver.visibility)), 0.0f)) : e;
 }
 
-// The same for `auto` too, which holds the number of its own choice for this point in params[4].y.
-APERTURA_FN float irradianceThroughChoice(int model, Receiver receiver, CapLight light, int lightClass) {
-    if (model != MODEL_AUTO) return irradianceThroughModel(model, receiver, light, lightClass);
-    int chosen = int(receiver.params[4].y + 0.5f);
-    if (chosen == MODEL_AO) return irradianceThroughModel(MODEL_AO, receiver, light, lightClass);
-    if (chosen == MODEL_APERTURE) return irradianceThroughModel(MODEL_APERTURE, receiver, light, lightClass);
-    // Of a light over 10 degrees, which may be larger than the blocker that a soft aperture stands for, a quadric that
-    // does not bend: it takes the light in four parts.
-    if (chosen == MODEL_SOFT && lightClass != LIGHTS_ANY) return irradianceThroughModel(MODEL_SOFT, receiver, light, lightClass);
+APERTURA_FN float irradianceThroughAnti(Receiver receiver, CapLight light, int lightClass) {
+    vec3 n = receiver.normal;
+    TwoCaps caps = twoCapsIn(receiver);
+    float cap = irradianceThroughAperture(n, caps.first, light, lightClass);
+    float anti = unoccludedIrradiance(n, light, lightClass) - irradianceThroughAperture(n, caps.second, light, lightClass);
+    return mix(cap, max(anti, 0.0f), caps.weight);
+}
+
+APERTURA_FN float irradianceThroughCapAnti(Receiver receiver, CapLight light, int lightClass) {
+    TwoCaps caps = twoCapsIn(receiver);
+    return irradianceThroughTwoCaps(receiver.normal, caps.first, caps.second, caps.axesDot, caps.weight, light, lightClass);
+}
+
+// E of a cap light by the model that MODEL_AUTO chose for the receiver. For lights over 10 degrees, which may be larger than the
+// blocker that a soft aperture stands for, that becomes a quadric without a bend: it takes the light in four parts. A ladder, because
+// Mesa compiles a switch over what differs from pixel to pixel to twice the cycles.
+APERTURA_FN float irradianceThroughChoice(Receiver receiver, CapLight light, int lightClass) {
+    vec3 n = receiver.normal;
+    int chosen = choiceIn(receiver.params[CHOICE_SLOT]).model;
+    if (chosen == MODEL_AO) return unoccludedIrradiance(n, light, lightClass) * min(receiver.visibility.w / (2.0f * PI), 1.0f);
+    if (chosen == MODEL_APERTURE) return irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass);
+    if (chosen == MODEL_SOFT && lightClass != LIGHTS_ANY) return irradianceThroughSoft(n, softIn(receiver.params[0]), light, lightClass);
     if (chosen == MODEL_SOFT_2 || chosen == MODEL_FIRM_2) return irradianceThroughLobes(receiver, 2, light, lightClass);
-    if (chosen == MODEL_SOFT || chosen == MODEL_SOFT_L2) return irradianceThroughModel(MODEL_SOFT_L2, receiver, light, lightClass);
+    if (chosen == MODEL_SOFT || chosen == MODEL_SOFT_L2) return irradianceThroughQuadric(n, quadricIn(receiver), light, lightClass);
     if (chosen == MODEL_FIRM_3) return irradianceThroughLobes(receiver, 3, light, lightClass);
-    return irradianceThroughLobes(receiver, 4, light, lightClass);
+    if (chosen == MODEL_FIRM_4) return irradianceThroughLobes(receiver, 4, light, lightClass);
+    return NO_FORMULA;
+}
+
+// E of a cap light at the receiver, by the formula of `model`. `lightClass`: the least of LIGHTS_... that covers the light.
+// NO_FORMULA for a number that is no model's.
+APERTURA_FN float irradianceThrough(int model, Receiver receiver, CapLight light, int lightClass) {
+    vec3 n = receiver.normal;
+    float open = unoccludedIrradiance(n, light, lightClass);
+    float e = NO_FORMULA;
+    switch (model) {
+        case MODEL_UNSHADOWED: e = open; break;
+        case MODEL_AO: e = open * min(receiver.visibility.w / (2.0f * PI), 1.0f); break;
+        case MODEL_SH_L1: e = open * shVisibility(receiver, light, 1); break;
+        case MODEL_SH_L2: e = open * shVisibility(receiver, light, 2); break;
+        case MODEL_SH_L4: e = open * shVisibility(receiver, light, 4); break;
+        case MODEL_OAT: e = oatIrradianceThroughAperture(n, apertureIn(receiver.params[0], vec3(0.0f)), light); break;
+        case MODEL_APERTURE: e = irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass); break;
+        case MODEL_ALPHA: e = opacityIn(receiver) * irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass); break;
+        case MODEL_ANTI: e = irradianceThroughAnti(receiver, light, lightClass); break;
+        case MODEL_SOFT: e = atMostTheSky(irradianceThroughSoft(n, softIn(receiver.params[0]), light, lightClass), receiver, lightClass); break;
+        case MODEL_FIRM_2:
+        case MODEL_SOFT_2: e = atMostTheSky(irradianceThroughLobes(receiver, 2, light, lightClass), receiver, lightClass); break;
+        case MODEL_SOFT_L2: e = atMostTheSky(irradianceThroughQuadric(n, quadricIn(receiver), light, lightClass), receiver, lightClass); break;
+        case MODEL_FIRM_3: e = atMostTheSky(irradianceThroughLobes(receiver, 3, light, lightClass), receiver, lightClass); break;
+        case MODEL_FIRM_4: e = atMostTheSky(irradianceThroughLobes(receiver, 4, light, lightClass), receiver, lightClass); break;
+        case MODEL_MULTI_2: e = atMostTheSky(open * visibleFractionOfUnion(receiver, 2, light, lightClass), receiver, lightClass); break;
+        case MODEL_MULTI_3: e = atMostTheSky(open * visibleFractionOfUnion(receiver, 3, light, lightClass), receiver, lightClass); break;
+        case MODEL_MULTI_4: e = atMostTheSky(open * visibleFractionOfUnion(receiver, 4, light, lightClass), receiver, lightClass); break;
+        case MODEL_CAP_ANTI: e = atMostTheSky(irradianceThroughCapAnti(receiver, light, lightClass), receiver, lightClass); break;
+        case MODEL_HORIZON:
+            e = irradianceOverHorizon(n, receiver.params[0], receiver.params[1], receiver.params[2], receiver.params[3], light, lightClass);
+            break;
+        case MODEL_AUTO: e = atMostTheSky(irradianceThroughChoice(receiver, light, lightClass), receiver, lightClass); break;
+        default: break;
+    }
+    return e;
 }
 
 // E of a sky of unit radiance all around. It is exactly dot(normal, D), which every asset has; the
 // published method and plain occlusion know only the cap, or its area.
 APERTURA_FN float skyIrradiance(int model, Receiver receiver) {
-    if (model == MODEL_OAT) {
-        Aperture aperture = makeAperture(vec3(receiver.params[0]), receiver.params[0].w);
-        return 2.0f * PI * aperture.height * max(dot(receiver.normal, aperture.axis), 0.0f);
+    switch (model) {
+        case MODEL_UNSHADOWED: return PI;
+        case MODEL_AO: return 0.5f * receiver.visibility.w;
+        case MODEL_OAT: return 2.0f * PI * receiver.params[0].w * max(dot(receiver.normal, vec3(receiver.params[0])), 0.0f);
+        default: return max(dot(receiver.normal, vec3(receiver.visibility)), 0.0f);
     }
-    if (model == MODEL_UNSHADOWED) return PI;
-    if (model == MODEL_AO) return 0.5f * receiver.visibility.w;
-    return max(dot(receiver.normal, vec3(receiver.visibility)), 0.0f);
-}
-
-// E of a cap light at the receiver. `lightClass`: the least of LIGHTS_... that covers it. No light brings more than all of the sky
-// does, which is known exactly: so no large one shines through an opening that is smaller than its formula's error.
-APERTURA_FN float irradianceThrough(int model, Receiver receiver, CapLight light, int lightClass) {
-    float e = irradianceThroughChoice(model, receiver, light, lightClass);
-    bool bounded = model >= MODEL_SOFT && model != MODEL_HORIZON && lightClass == LIGHTS_ANY;
-    return bounded ? min(e, skyIrradiance(model, receiver)) : e;
 }
 
 #endif

@@ -3,12 +3,12 @@
 #define APERTURA_SEVERAL_GLSL
 #include "receiver.glsl"
 
-// What `count` lobes, two to four, let through together. Lobe 0 and 1 of more than two, and 2 and 3 of four, may
-// make a pair: combine.w of those pairs let through what their product leaves of 1. Where combine.x is 1, so do all.
-APERTURA_FN float combineLobes(int count, MeanProducts m, vec4 combine) {
-    float through = m.all;
-    if (count >= 3 && combine.w > 0.5f) through = count >= 4 && combine.w > 1.5f ? 1.0f - m.pair.x - m.pair.y + m.all : m.last - m.all;
-    return combine.x > 0.5f ? 1.0f - through : through;
+// The mean visibility of `count` lobes, two to four, from the mean products of their factors. Lobes 0 and 1 of more than
+// two, and 2 and 3 of four, may be a pair, which lets through what the product of the two leaves of 1.
+APERTURA_FN float combineLobes(int count, MeanProducts m, Combination c) {
+    float product = m.all;
+    if (count >= 3 && c.pairs > 0.5f) product = count >= 4 && c.pairs > 1.5f ? 1.0f - m.pair.x - m.pair.y + m.all : m.last - m.all;
+    return c.complement > 0.5f ? 1.0f - product : product;
 }
 
 // The products of `count` lobes or apertures over a light, from what each lets through or keeps back. `along`: dot of
@@ -24,10 +24,10 @@ APERTURA_FN MeanProducts productsOver(Receiver receiver, int count, vec4 p, vec4
     return meanProducts(count, p, w1, w2, w3);
 }
 
-// E of a cap light through `count` lobes, two to four; how they go together stands in the slot behind them.
+// E of a cap light through `count` lobes, two to four.
 APERTURA_FN float irradianceThroughLobes(Receiver receiver, int count, CapLight light, int lightClass) {
     vec3 n = receiver.normal;
-    vec4 combine = receiver.params[count];
+    Combination combine = combinationIn(receiver.params[count]);
     vec4 p = vec4(1.0f);
     vec4 along = vec4(0.0f);
     vec4 inverseDeviation = vec4(0.0f);
@@ -67,12 +67,10 @@ APERTURA_FN float visibleFractionOfUnion(Receiver receiver, int count, CapLight 
     vec4 along = vec4(0.0f);
     vec4 inverseDeviation = vec4(0.0f);
     for (int k = 0; k < count; ++k) {
-        vec4 slot = receiver.params[k];
-        vec4 two = receiver.params[count + k / 2];
-        vec2 own = (k & 1) == 0 ? vec2(two.x, two.y) : vec2(two.z, two.w);
-        along[k] = dot(vec3(slot), light.axis);
+        Aperture aperture = apertureOfUnion(receiver, count, k);
+        along[k] = dot(aperture.axis, light.axis);
         inverseDeviation[k] = inverseDeviationOfCap(along[k], light);
-        kept[k] = 1.0f - visibleFraction(receiver.normal, apertureIn(slot, vec3(own.x, own.y, 0.0f)), light, lightClass);
+        kept[k] = 1.0f - visibleFraction(receiver.normal, aperture, light, lightClass);
     }
     return 1.0f - productsOver(receiver, count, kept, along, inverseDeviation, light).all;
 }

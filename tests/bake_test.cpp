@@ -148,8 +148,8 @@ TEST(Bake, SharedSurfacesAreTracedInEveryPlace) {
     EXPECT_FALSE(tracer.occluded({1.5f, 5, 0}, {0, -1, 0}, kNoLimit));
     const auto hit = tracer.nearest({3, 5, 0}, {0, -1, 0});
     ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->position.y, 1, 1e-3);
-    EXPECT_NEAR(hit->normal.y, 1, 1e-3);
+    EXPECT_NEAR(hit->at.position.y, 1, 1e-3);
+    EXPECT_NEAR(hit->at.normal.y, 1, 1e-3);
 }
 
 TEST(Bake, LatticeErrorAt256RaysOnTheBunny) {

@@ -80,15 +80,15 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
     alignas(64) int valid[16];
     std::fill(std::begin(valid), std::end(valid), -1);
 #if RTC_VERSION_MAJOR >= 4
-    RTCOccludedArguments how;
-    rtcInitOccludedArguments(&how);
-    how.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
-    auto trace = [&](RTCRay16& rays) { rtcOccluded16(valid, scene, &rays, &how); };
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+    auto trace = [&](RTCRay16& rays) { rtcOccluded16(valid, scene, &rays, &arguments); };
 #else
-    RTCIntersectContext how;
-    rtcInitIntersectContext(&how);
-    how.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    auto trace = [&](RTCRay16& rays) { rtcOccluded16(valid, scene, &how, &rays); };
+    RTCIntersectContext arguments;
+    rtcInitIntersectContext(&arguments);
+    arguments.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    auto trace = [&](RTCRay16& rays) { rtcOccluded16(valid, scene, &arguments, &rays); };
 #endif
     BakeOptions options;
     options.threads = 1;

@@ -44,15 +44,15 @@ double differenceOf(const Picture& a, const Picture& b) {
 // Any parameters that a model's own bytes could hold.
 ModelParams randomForm(const Model& model, const Visibility& v, const vec3& normal, Random& random) {
     const Model* stored = &model;
-    if (model.id == MODEL_AUTO) stored = &models()[size_t(autoChoices()[size_t(random(0, 8))])];
+    if (model.kind == ModelKind::Choice) stored = autoModels()[size_t(random(0, double(autoModels().size())))];
     std::vector<float> numbers(size_t(storedNumbers(*stored)) + 1);
     for (float& n : numbers) n = float(random(-1, 1));
     // Coefficients are small in the high bands of anything real.
     if (stored->id == MODEL_SH_L4)
         for (float& n : numbers) n *= 0.3f;
     ModelParams params = unpackParams(*stored, numbers);
-    if (model.id == MODEL_AUTO) params[4].y = float(stored->id);
-    return toParams(model, v, stored->storedFields || model.id == MODEL_AUTO ? &params : nullptr, normal);
+    if (model.kind == ModelKind::Choice) setChoice(params, *stored, false);
+    return toParams(model, v, model.isStored() ? &params : nullptr, normal);
 }
 
 TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {

@@ -2,6 +2,7 @@
 #include "bake/sampling/directions.h"
 #include "bake/measure/truth.h"
 #include "bake/fit/bake.h"
+#include "bake/fit/choose.h"
 #include "bake/scene/load.h"
 #include "bake/fit/lobe_sums.h"
 #include "bake/sampling/surface_points.h"
@@ -26,11 +27,11 @@ Samples samplesOf(const SampleLattice& lattice, Inside&& inside) {
 
 // RMSE of a recipe's model against the exact E / (L pi sin^2 r), over lights of one radius.
 template <typename Exact>
-double errorOf(const char* recipe, const char* modelName, const FitTools& tools, const Samples& samples, double radius, Exact&& exact) {
-    const Recipe& how = *findRecipe(recipe);
+double errorOf(const char* recipeName, const char* modelName, const FitTools& tools, const Samples& samples, double radius, Exact&& exact) {
+    const Recipe& recipe = *findRecipe(recipeName);
     const Model& model = *findModel(modelName);
-    const BakedPoint point = how.make(tools, samples, mat3(1), {});
-    const Receiver receiver = toReceiver(point.visibility, toParams(model, point.visibility, how.model >= 0 ? &point.params : nullptr, kUp), kUp);
+    const BakedPoint point = recipe.make(tools, samples, mat3(1), {});
+    const Receiver receiver = toReceiver(point.visibility, toParams(model, point.visibility, recipe.model >= 0 ? &point.params : nullptr, kUp), kUp);
     double sum = 0;
     int count = 0;
     for (const vec3& l : fibonacciHemisphere(200)) {
@@ -46,10 +47,67 @@ TEST(Models, EachStandsAtItsNumberAndHasAName) {
     for (const Model& model : models()) {
         EXPECT_EQ(&models()[size_t(model.id)], &model);
         EXPECT_EQ(findModel(model.name), &model);
-        EXPECT_TRUE(model.fromVisibility || model.storedFields > 0 || model.id == MODEL_AUTO) << model.name;
+        EXPECT_TRUE(model.fromVisibility || model.isStored()) << model.name;
     }
     EXPECT_EQ(findModel("nothing"), nullptr);
     for (const Recipe& recipe : recipes()) EXPECT_EQ(findRecipe(recipe.name), &recipe);
+}
+
+TEST(Models, EachHasAFormulaForEveryClassOfLightsAndARecipe) {
+    for (const Model& model : models()) {
+        if (model.kind == ModelKind::Choice) continue;
+        for (int lightClass : {LIGHTS_ANY, LIGHTS_MEDIUM, LIGHTS_SMALL, LIGHTS_SUN}) EXPECT_TRUE(hasFormula(model, lightClass)) << model.name;
+        EXPECT_NO_THROW(recipeFor(model)) << model.name;
+    }
+    const CapLight light = capLight(kUp, 0.1f);
+    const Receiver receiver{kUp, vec4(0, 0, 1, 2), {}};
+    EXPECT_EQ(irradianceThrough(MODEL_COUNT, receiver, light, LIGHTS_ANY), NO_FORMULA);
+    EXPECT_EQ(irradianceThrough(-1, receiver, light, LIGHTS_ANY), NO_FORMULA);
+    Receiver undecided = receiver;  // `auto` may not choose it
+    undecided.params[CHOICE_SLOT] = withChoice(vec4(0), {MODEL_HORIZON, false});
+    EXPECT_EQ(irradianceThrough(MODEL_AUTO, undecided, light, LIGHTS_SUN), NO_FORMULA);
+}
+
+TEST(Models, AutoChoosesByTagsThatAssetsHoldForEver) {
+    const char* names[] = {"ao", "aperture", "soft", "firm-2", "soft-2", "firm-3", "soft-l2", "firm-4"};
+    for (size_t tag = 0; tag < std::size(names); ++tag) EXPECT_EQ(autoModels()[tag]->name, names[tag]);
+    int numbers = 0;
+    for (const Candidate& candidate : candidates()) {
+        EXPECT_GE(candidate.model->numbers, numbers) << candidate.model->name;
+        numbers = candidate.model->numbers;
+        EXPECT_TRUE(candidate.recipe->model == candidate.model->id || candidate.recipe->model < 0);
+    }
+    EXPECT_EQ(candidates().size(), autoModels().size() + 1);  // `soft` once more, fitted
+}
+
+TEST(Models, ASlotGivesBackWhatWasPutIn) {
+    Random random(57);
+    for (int i = 0; i < 1000; ++i) {
+        auto aperture = [&] { return makeAperture(vec3(random.direction()), float(random(0, 2))); };
+        auto expectSame = [](const Aperture& a, const Aperture& b) {
+            EXPECT_EQ(a.axis, b.axis);
+            EXPECT_EQ(a.height, b.height);
+            EXPECT_EQ(vec2(a.terms), vec2(b.terms));
+        };
+        const Aperture a = aperture(), b = aperture(), c = aperture();
+        expectSame(onlyApertureIn(withAperture({}, a, 0.25f)), a);
+        EXPECT_EQ(opacityIn(withAperture({}, a, 0.25f)), 0.25f);
+        const TwoCaps two = twoCapsIn(withTwoCaps({}, {a, b, 0.75f, -0.5f}));
+        expectSame(two.first, a), expectSame(two.second, b);
+        EXPECT_EQ(vec2(two.weight, two.axesDot), vec2(0.75f, -0.5f));
+        EXPECT_EQ(two.first.terms, a.terms);
+        EXPECT_EQ(two.second.terms, b.terms);
+        const Receiver all = withApertureOfUnion(withApertureOfUnion(withApertureOfUnion({}, 3, 0, a), 3, 1, b), 3, 2, c);
+        expectSame(apertureOfUnion(all, 3, 0), a), expectSame(apertureOfUnion(all, 3, 1), b), expectSame(apertureOfUnion(all, 3, 2), c);
+        // Four lobes' combination and the choice of `auto` share a slot.
+        const vec4 slot = withChoice(withCombination(vec4(0), {1, 2}), {MODEL_FIRM_4, true});
+        EXPECT_EQ(combinationIn(slot).complement, 1);
+        EXPECT_EQ(combinationIn(slot).pairs, 2);
+        EXPECT_EQ(choiceIn(slot).model, MODEL_FIRM_4);
+        EXPECT_TRUE(choiceIn(slot).outOfReach);
+        EXPECT_EQ(combinationIn(withCombination(slot, {0, 1})).pairs, 1);
+        EXPECT_EQ(choiceIn(withCombination(slot, {0, 1})).model, MODEL_FIRM_4);
+    }
 }
 
 TEST(Models, AnyNumbersUnpackToAFiniteFormAndPackAgain) {
@@ -264,13 +322,13 @@ TEST(Models, FitsAreNoWorseThanALongSearch) {
     for (const float sharpness : {0.0f, kHardSharpness, 2 * kHardSharpness}) {  // soft, firm, and as caps are
         double own = 0, slow = 0;
         samplePoints(RayOcclusion(tracer), points, tools.lattice, 1, 1, {}, [&](size_t, const Samples& samples, const mat3&) {
-            LobeFitOptions how;
-            how.lobes = 2;
-            how.sharpness = sharpness;
-            own += fitLobes(samples, tools.dictionary, LobeFitSides::Both, how).error;
-            how.starts = 24;
-            how.firstSteps = how.steps = 100;
-            slow += fitLobes(samples, fine, LobeFitSides::Both, how).error;
+            LobeFitOptions fitOptions;
+            fitOptions.lobes = 2;
+            fitOptions.sharpness = sharpness;
+            own += fitLobes(samples, tools.dictionary, LobeFitSides::Both, fitOptions).error;
+            fitOptions.starts = 24;
+            fitOptions.firstSteps = fitOptions.steps = 100;
+            slow += fitLobes(samples, fine, LobeFitSides::Both, fitOptions).error;
         });
         std::printf("two lobes, sharpness %g: %.4f, after a long search %.4f\n", sharpness, std::sqrt(own / 24), std::sqrt(slow / 24));
         EXPECT_LE(std::sqrt(own), (sharpness > 0 ? 1.03 : 1.12) * std::sqrt(slow));
@@ -320,7 +378,7 @@ TEST(FormStream, RefusesWhatCannotBe) {
     EXPECT_THROW(unpackAllParams(automatic, bytes, 25, mat3(1), 8), Error);
     bytes = {0, 1, 2, 0x80};  // four points that store nothing, the last out of reach
     const std::vector<ModelParams> allParams = unpackAllParams(automatic, bytes, 4, mat3(1), 8);
-    EXPECT_EQ(chosenModel(MODEL_AUTO, allParams[2]), MODEL_SOFT);
+    EXPECT_EQ(chosenModel(automatic, allParams[2]).id, MODEL_SOFT);
     EXPECT_EQ(allParams[0][4].z, 0);
     EXPECT_EQ(allParams[3][4].z, 1);
     bytes[1] = 100;

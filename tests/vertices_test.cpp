@@ -133,7 +133,7 @@ TEST(Vertices, GroundUnderABoxIsNotBlackAroundIt) {
     const Scene scene = sceneOf({panel({-6, 0, 6}, {12, 0, 0}, {0, 0, -12}, 1), box});
     const Baked baked = bake(scene);
     EXPECT_EQ(baked.issues.moved, 8u);   // the ring of nine vertices but the middle one,
-    EXPECT_EQ(baked.issues.buried, 1u);  // whose triangles are all inside
+    EXPECT_EQ(baked.issues.insideSolids, 1u);  // whose triangles are all inside
     const Surface& ground = scene.surfaces[0];
     int inside = 0;
     for (size_t v = 0; v < ground.positions.size(); ++v) {
@@ -188,7 +188,7 @@ TEST(Vertices, NormalBehindItsFacesLooksOutOnTheirSide) {
     const std::vector<double> straight = bake(sceneOf({bad})).open();
     for (size_t v = 0; v < bad.normals.size(); v += 50) bad.normals[v] = -bad.normals[v];
     const Baked baked = bake(sceneOf({bad}));
-    EXPECT_EQ(baked.issues.against, (bad.normals.size() + 49) / 50);
+    EXPECT_EQ(baked.issues.normalsBehind, (bad.normals.size() + 49) / 50);
     for (size_t v = 0; v < bad.normals.size(); v += 50) EXPECT_NEAR(baked.open()[v], straight[v], 0.05);
 }
 
@@ -201,7 +201,7 @@ TEST(Vertices, AMinorityWoundTheOtherWayIsBelievedToo) {
     for (size_t t = first; t < two.triangles.size(); ++t) std::swap(two.triangles[t][1], two.triangles[t][2]);
     const Baked baked = bake(sceneOf({two}));
     EXPECT_EQ(baked.issues.inverted, two.triangles.size() - first);
-    EXPECT_EQ(baked.issues.against + baked.issues.buried + baked.issues.moved, 0u);
+    EXPECT_EQ(baked.issues.normalsBehind + baked.issues.insideSolids + baked.issues.moved, 0u);
     for (const double open : baked.open()) EXPECT_GT(open, 0.9);
 }
 
@@ -210,7 +210,7 @@ TEST(Vertices, SteepSheetsWithUprightNormalsAreNotInsideThemselves) {
         Surface sheet = panel({-1, -slope, 1}, {2, 2 * slope, 0}, {0, 0, -2}, 0.25);
         for (glm::vec3& n : sheet.normals) n = glm::vec3(0, 1, 0);
         const Baked baked = bake(sceneOf({sheet}));
-        EXPECT_EQ(baked.issues.moved + baked.issues.buried + baked.issues.against, 0u) << slope;
+        EXPECT_EQ(baked.issues.moved + baked.issues.insideSolids + baked.issues.normalsBehind, 0u) << slope;
         const double expected = 1 - std::atan(slope) / kPi;  // what rises of the sheet is a lune of the hemisphere
         for (const double open : baked.open()) {
             EXPECT_GE(open, expected - 0.03) << slope;
@@ -266,7 +266,7 @@ TEST(Vertices, PointInsideAClosedSolidIsCountedAndClosed) {
     Surface inner;
     addBlob(inner, {0, 0, 0}, 16, [](const glm::dvec3&) { return 0.3; });
     const Baked baked = bake(sceneOf({blob(), inner}));
-    EXPECT_EQ(baked.issues.buried, inner.positions.size());
+    EXPECT_EQ(baked.issues.insideSolids, inner.positions.size());
     EXPECT_EQ(baked.issues.moved, 0u);
     for (const double open : baked.open(1)) EXPECT_EQ(open, 0);
     EXPECT_GT(baked.issues.large, 0u);

@@ -114,8 +114,8 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
     BakeOptions options;
     options.threads = 1;
     const FitTools tools(options.rays);
-    FitOptions how;
-    how.lambda = 1 / (how.tolerance * how.tolerance);
+    FitOptions fitOptions;
+    fitOptions.lambda = 1 / (fitOptions.tolerance * fitOptions.tolerance);
     std::vector<std::pair<Samples, mat3>> samples;
     const auto start = Clock::now();
     samplePoints(RayOcclusion(tracer), points, tools.lattice, options.seed, 1, {}, [&](size_t, const Samples& s, const mat3& frame) { samples.emplace_back(s, frame); });
@@ -127,7 +127,7 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
                         || std::find(measure.models.begin(), measure.models.end(), &models()[size_t(recipe.model)]) != measure.models.end();
         if (!asked) continue;
         const auto from = Clock::now();
-        for (const auto& [s, frame] : samples) makePoint(recipe, tools, s, frame, how);
+        for (const auto& [s, frame] : samples) makePoint(recipe, tools, s, frame, fitOptions);
         const double fitting = std::chrono::duration<double>(Clock::now() - from).count();
         if (recipe.name == "sh") plain = tracing + fitting;
         out[std::string(recipe.name)] = {(tracing + fitting) / plain, double(points.size()) / fitting};

@@ -19,16 +19,15 @@ nlohmann::ordered_json describeChoices(const Asset& asset) {
     for (const SeenByInstance& seen : asset.seen)
         for (const ModelParams& params : seen.allParams) {
             ++vertices;
-            ++counts[size_t(chosenModel(MODEL_AUTO, params))];
-            unreached += params[4].z > 0.5f;
+            ++counts[size_t(chosenModel(models()[MODEL_AUTO], params).id)];
+            unreached += choiceIn(params[CHOICE_SLOT]).outOfReach;
         }
     nlohmann::ordered_json shares = nlohmann::json::object();
     double numbers = 0;
-    for (int id : autoChoices()) {
-        const Model& model = models()[size_t(id)];
-        const double share = double(counts[size_t(id)]) / double(std::max<size_t>(vertices, 1));
-        shares[std::string(model.name)] = share;
-        numbers += share * model.numbers;
+    for (const Model* model : autoModels()) {
+        const double share = double(counts[size_t(model->id)]) / double(std::max<size_t>(vertices, 1));
+        shares[std::string(model->name)] = share;
+        numbers += share * model->numbers;
     }
     return {{"tolerance", asset.info.tolerance},
             {"numbers_per_vertex", numbers},

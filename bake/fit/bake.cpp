@@ -15,12 +15,6 @@ namespace {
 
 constexpr int kLambdaPoints = 400;  // over the surface, on which the Lagrange multiplier of `auto` is found
 
-const Recipe& recipeNamed(std::string_view name) {
-    const Recipe* recipe = findRecipe(name);
-    if (!recipe) throw Error("there is no recipe '" + std::string(name) + "'");
-    return *recipe;
-}
-
 }  // namespace
 
 double lambdaAt(const OcclusionSource& source, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options, double tolerance,
@@ -37,10 +31,10 @@ std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<cons
     const Recipe& recipe = recipeNamed(options.recipe);
     if (recipe.model == MODEL_AUTO && !(options.lambda > 0)) throw Error("the recipe auto needs a lambda: lambdaAt finds it");
     const FitTools tools(options.rays, useOf(recipe));
-    const FitOptions how{options.tolerance, options.lambda};
+    const FitOptions fitOptions{options.tolerance, options.lambda};
     std::vector<BakedPoint> out(points.size());
     samplePoints(source, points, tools.lattice, options.seed, options.threads, progress, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
-        out[i] = makePoint(recipe, tools, samples, frame, how);
+        out[i] = makePoint(recipe, tools, samples, frame, fitOptions);
     });
     return out;
 }
@@ -53,13 +47,13 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
     const VertexPoints vertices = placeVertices(scene, tracer, placing, issues);
     const std::vector<SurfacePoint>& points = vertices.points;
     const RayOcclusion source(tracer, options.maxDistance);
-    BakeOptions how = options;
+    BakeOptions bakeOptions = options;
     if (options.recipe == "auto") {
         std::vector<SurfacePoint> spread;
         for (const SurfaceSample& p : sampleSurface(scene, std::min(kLambdaPoints, int(points.size())), options.seed)) spread.push_back(p.at);
-        how.lambda = lambdaAt(source, spread, FitTools(options.rays, FitTools::Use::Choice), options, options.tolerance, choosing);
+        bakeOptions.lambda = lambdaAt(source, spread, FitTools(options.rays, FitTools::Use::Choice), options, options.tolerance, choosing);
     }
-    const std::vector<BakedPoint> baked = bakePoints(source, points, how, baking);
+    const std::vector<BakedPoint> baked = bakePoints(source, points, bakeOptions, baking);
     const bool stored = recipeNamed(options.recipe).model >= 0;
     BakedVisibility out;
     for (const Instance& instance : scene.instances) {

@@ -33,15 +33,14 @@ double probeError(const FitTools& tools, const FitTools::Probes& probes, const S
     return std::sqrt(sum / double(std::max<size_t>(probes.inside.size(), 1)));
 }
 
-std::vector<float> visibleTo(const SampleLattice& lattice, int model, const BakedPoint& point) {
+std::vector<float> visibleTo(const SampleLattice& lattice, const Model& model, const BakedPoint& point) {
     const vec3 normal(0, 0, 1);
-    const Model& lit = models()[size_t(model)];
-    const Receiver receiver = toReceiver(point.visibility, toParams(lit, point.visibility, lit.storedFields ? &point.params : nullptr, normal), normal);
+    const Receiver receiver = toReceiver(point.visibility, toParams(model, point.visibility, model.isStored() ? &point.params : nullptr, normal), normal);
     std::vector<float> out;
     const float s = 1e-3f;
     for (const vec3& w : lattice.directions()) {
         const CapLight light = capLight(w, s);
-        out.push_back(irradianceThrough(model, receiver, light, LIGHTS_SUN) / std::max(unoccludedIrradiance(normal, light, LIGHTS_SUN), 1e-12f));
+        out.push_back(irradianceThrough(model.id, receiver, light, LIGHTS_SUN) / std::max(unoccludedIrradiance(normal, light, LIGHTS_SUN), 1e-12f));
     }
     return out;
 }
@@ -50,32 +49,34 @@ namespace {
 
 constexpr double kDearest = 3;  // of prices, in numbers for a squared tolerance
 
-struct Candidate {
-    std::string_view recipe;
-    int model;
-    int numbers() const { return models()[size_t(model)].numbers; }
-};
-constexpr Candidate kCandidate[kCandidates] = {
-    {"sh", MODEL_AO},          {"sh", MODEL_APERTURE},    {"sh", MODEL_SOFT},        {"sh-fit", MODEL_SOFT},      {"firm-2", MODEL_FIRM_2},
-    {"soft-2", MODEL_SOFT_2}, {"firm-3", MODEL_FIRM_3}, {"soft-l2", MODEL_SOFT_L2}, {"firm-4", MODEL_FIRM_4}};
+std::vector<Candidate> makeCandidates() {
+    std::vector<Candidate> out;
+    for (const Model* model : autoModels()) {
+        out.push_back({model, &recipeFor(*model)});
+        for (const Recipe& recipe : recipes())
+            if (recipe.only == model->id) out.push_back({model, &recipe});
+    }
+    std::stable_sort(out.begin(), out.end(), [](const Candidate& a, const Candidate& b) { return a.model->numbers < b.model->numbers; });
+    return out;
+}
 
 BakedPoint makeCandidate(const Candidate& candidate, const FitTools& tools, const Samples& samples, const mat3& frame, double& error) {
-    BakedPoint point = findRecipe(candidate.recipe)->make(tools, samples, frame, {});
-    const std::vector<float> visible = visibleTo(tools.lattice, candidate.model, point);
+    BakedPoint point = candidate.recipe->make(tools, samples, frame, {});
+    const std::vector<float> visible = visibleTo(tools.lattice, *candidate.model, point);
     error = 0;
     for (const FitTools::Probes& probes : tools.probes) error = std::max(error, probeError(tools, probes, samples, visible));
-    point.params[4].y = float(candidate.model);
+    setChoice(point.params, *candidate.model, false);
     return point;
 }
 
 // Candidates are tried from the least on, and no further than the first within the tolerance. Calls
 // error(i) for each; returns the one to take.
-int pick(double tolerance, double lambda, auto&& error, bool& reached) {
-    int best = 0;
+size_t pick(double tolerance, double lambda, auto&& error, bool& reached) {
+    size_t best = 0;
     double least = 1e30;
     reached = false;
-    for (int i = 0; i < kCandidates && !reached; ++i) {
-        const double e = error(i), cost = kCandidate[i].numbers() + lambda * e * e;
+    for (size_t i = 0; i < candidates().size() && !reached; ++i) {
+        const double e = error(i), cost = candidates()[i].model->numbers + lambda * e * e;
         if (cost < least) least = cost, best = i;
         reached = e <= tolerance;
     }
@@ -84,9 +85,14 @@ int pick(double tolerance, double lambda, auto&& error, bool& reached) {
 
 }  // namespace
 
+std::span<const Candidate> candidates() {
+    static const std::vector<Candidate> all = makeCandidates();
+    return all;
+}
+
 CandidateErrors tryCandidates(const FitTools& tools, const Samples& samples, const mat3& frame) {
-    CandidateErrors out;
-    for (int i = 0; i < kCandidates; ++i) makeCandidate(kCandidate[i], tools, samples, frame, out[size_t(i)]);
+    CandidateErrors out(candidates().size());
+    for (size_t i = 0; i < out.size(); ++i) makeCandidate(candidates()[i], tools, samples, frame, out[i]);
     return out;
 }
 
@@ -95,7 +101,7 @@ double lambdaFor(std::span<const CandidateErrors> points, double tolerance) {
         double sum = 0;
         for (const CandidateErrors& errors : points) {
             bool reached;
-            const double e = errors[size_t(pick(tolerance, lambda, [&](int i) { return errors[size_t(i)]; }, reached))];
+            const double e = errors[pick(tolerance, lambda, [&](size_t i) { return errors[i]; }, reached)];
             sum += e * e;
         }
         return std::sqrt(sum / double(points.size()));
@@ -110,17 +116,17 @@ double lambdaFor(std::span<const CandidateErrors> points, double tolerance) {
 }
 
 BakedPoint chooseModel(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options) {
-    BakedPoint made[kCandidates];
+    std::vector<BakedPoint> made(candidates().size());
     bool reached;
-    const int best = pick(
+    const size_t best = pick(
         options.tolerance, options.lambda,
-        [&](int i) {
+        [&](size_t i) {
             double error;
-            made[i] = makeCandidate(kCandidate[i], tools, samples, frame, error);
+            made[i] = makeCandidate(candidates()[i], tools, samples, frame, error);
             return error;
         },
         reached);
-    made[best].params[4].z = reached ? 0 : 1;
+    setChoice(made[best].params, *candidates()[best].model, !reached);
     return made[best];
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bake/fit/choose.h"
+#include "runtime/asset/error.h"
 #include "sh/soft.h"
 
 namespace apertura {
@@ -50,10 +51,10 @@ BakedPoint fromTransfer(const FitTools&, const Samples& samples, const mat3&, co
 
 vec4 bestLobe(const Samples& samples, float ambientWeight) {
     const SoftAperture start = toSoft(project(samples), vec3(0, 0, 1));
-    LobeFitOptions how;
-    how.ambientWeight = ambientWeight;
-    how.steps = kLongSteps;
-    return improveLobe(samples, vec4(start.slope, start.offset), how).lobes[0];
+    LobeFitOptions fitOptions;
+    fitOptions.ambientWeight = ambientWeight;
+    fitOptions.steps = kLongSteps;
+    return improveLobe(samples, vec4(start.slope, start.offset), fitOptions).lobes[0];
 }
 
 // The coefficients of the best soft aperture, in place of the visibility's own.
@@ -72,22 +73,22 @@ BakedPoint fittedSh(const FitTools&, const Samples& samples, const mat3&, const 
 
 // Two hard edges are found from few starts: more would err less by a fiftieth, at a third of the speed.
 LobeFitOptions hardLobes(int lobes, float sharpness) {
-    LobeFitOptions how;
-    how.lobes = lobes;
-    how.sharpness = sharpness;
-    how.pairs = true;
+    LobeFitOptions fitOptions;
+    fitOptions.lobes = lobes;
+    fitOptions.sharpness = sharpness;
+    fitOptions.pairs = true;
     if (lobes != 2 || sharpness == 0) {
-        how.starts = 6;
-        how.firstSteps = 6;
-        how.steps = 20;
+        fitOptions.starts = 6;
+        fitOptions.firstSteps = 6;
+        fitOptions.steps = 20;
     }
-    return how;
+    return fitOptions;
 }
 
 LobeFitOptions asCaps(int lobes) {
-    LobeFitOptions how = hardLobes(lobes, kCapSharpness);
-    how.pairs = false;
-    return how;
+    LobeFitOptions fitOptions = hardLobes(lobes, kCapSharpness);
+    fitOptions.pairs = false;
+    return fitOptions;
 }
 
 vec4 toCap(const vec4& lobe, bool complement) {
@@ -102,7 +103,8 @@ BakedPoint fittedAnti(const FitTools& tools, const Samples& samples, const mat3&
     const vec4 cap = toCap(fit.lobes[0], false);
     const bool anti = cap.w > 1;
     const vec4 own = anti ? vec4(-vec3(cap), 2 - cap.w) : cap;
-    return {project(samples), {own, own, vec4(anti ? 1 : 0, 0, 0, 0)}};
+    const Aperture aperture = makeAperture(vec3(own), own.w);
+    return {project(samples), paramsOf(withTwoCaps({}, {aperture, aperture, anti ? 1.0f : 0.0f, 0}))};
 }
 
 template <int K>
@@ -115,7 +117,8 @@ BakedPoint caps(const FitTools& tools, const Samples& samples, const mat3&, cons
 
 BakedPoint capAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
     const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, asCaps(2));
-    return {project(samples), {toCap(fit.lobes[0], false), toCap(fit.lobes[1], false), vec4(fit.complement, 0, 0, 0)}};
+    auto cap = [&](int k) { return apertureIn(toCap(fit.lobes[k], false), vec3(0)); };
+    return {project(samples), paramsOf(withTwoCaps({}, {cap(0), cap(1), fit.complement ? 1.0f : 0.0f, 0}))};
 }
 
 template <int K, bool Hard>
@@ -123,17 +126,16 @@ BakedPoint lobes(const FitTools& tools, const Samples& samples, const mat3&, con
     const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, hardLobes(K, Hard ? kHardSharpness : 0));
     BakedPoint out{project(samples), {}};
     for (int k = 0; k < K; ++k) out.params[k] = fit.lobes[k];
-    out.params[K].x = fit.complement ? 1 : 0;
-    out.params[K].w = float(fit.pairs);
+    out.params[K] = withCombination(vec4(0), {fit.complement ? 1.0f : 0.0f, float(fit.pairs)});
     return out;
 }
 
 BakedPoint quadric(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
-    LobeFitOptions how;
-    how.steps = kLongSteps;
-    const QuadricFit fit = fitQuadric(samples, bestLobe(samples, 0), how);
+    LobeFitOptions fitOptions;
+    fitOptions.steps = kLongSteps;
+    const QuadricFit fit = fitQuadric(samples, bestLobe(samples, 0), fitOptions);
     const float* b = fit.bend;
-    return {project(samples), {fit.lobe, vec4(b[0], b[1], b[2], b[3]), vec4(b[4], 0, 0, 0)}};
+    return {project(samples), paramsOf(withQuadric({}, {vec3(fit.lobe), fit.lobe.w, vec4(b[0], b[1], b[2], b[3]), b[4]}))};
 }
 
 BakedPoint bands(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
@@ -164,24 +166,24 @@ BakedPoint heights(const FitTools&, const Samples& samples, const mat3& frame, c
 }
 
 constexpr Recipe kRecipes[] = {
-    {"sh", "sh", -1, "the four coefficients of the visibility itself", fromSh},
-    {"rays", "rays", -1, "area and mean direction straight from the rays", fromRays},
-    {"transfer", "transfer", -1, "cosine-weighted transfer, as direct-lighting bakers give it, converted", fromTransfer},
-    {"sh-fit", "fit", -1, "the four coefficients of the best soft aperture", fittedSh},
-    {"sh-l2", "sh", MODEL_SH_L2, "SH to band 2", bands},
-    {"sh-l4", "sh", MODEL_SH_L4, "SH to band 4", bands},
-    {"anti", "fit", MODEL_ANTI, "the better of one aperture and one anti-aperture", fittedAnti},
-    {"firm-2", "fit", MODEL_FIRM_2, "two hard-edged lobes", lobes<2, true>},
-    {"soft-2", "fit", MODEL_SOFT_2, "two soft lobes", lobes<2, false>},
-    {"soft-l2", "fit", MODEL_SOFT_L2, "a soft aperture with a quadratic exponent", quadric},
-    {"firm-3", "fit", MODEL_FIRM_3, "three hard-edged lobes", lobes<3, true>},
-    {"firm-4", "fit", MODEL_FIRM_4, "four hard-edged lobes", lobes<4, true>},
-    {"multi-2", "fit", MODEL_MULTI_2, "two apertures", caps<2>},
-    {"multi-3", "fit", MODEL_MULTI_3, "three apertures", caps<3>},
-    {"multi-4", "fit", MODEL_MULTI_4, "four apertures", caps<4>},
-    {"cap-anti", "fit", MODEL_CAP_ANTI, "two of aperture and anti-aperture", capAnti},
-    {"horizon", "rays", MODEL_HORIZON, "the horizon at 16 azimuths", heights},
-    {"auto", "fit", MODEL_AUTO, "the least model for each point", chooseModel},
+    {"sh", "sh", -1, -1, "the four coefficients of the visibility itself", fromSh},
+    {"rays", "rays", -1, -1, "area and mean direction straight from the rays", fromRays},
+    {"transfer", "transfer", -1, -1, "cosine-weighted transfer, as direct-lighting bakers give it, converted", fromTransfer},
+    {"sh-fit", "fit", -1, MODEL_SOFT, "the four coefficients of the best soft aperture", fittedSh},
+    {"sh-l2", "sh", MODEL_SH_L2, -1, "SH to band 2", bands},
+    {"sh-l4", "sh", MODEL_SH_L4, -1, "SH to band 4", bands},
+    {"anti", "fit", MODEL_ANTI, -1, "the better of one aperture and one anti-aperture", fittedAnti},
+    {"firm-2", "fit", MODEL_FIRM_2, -1, "two hard-edged lobes", lobes<2, true>},
+    {"soft-2", "fit", MODEL_SOFT_2, -1, "two soft lobes", lobes<2, false>},
+    {"soft-l2", "fit", MODEL_SOFT_L2, -1, "a soft aperture with a quadratic exponent", quadric},
+    {"firm-3", "fit", MODEL_FIRM_3, -1, "three hard-edged lobes", lobes<3, true>},
+    {"firm-4", "fit", MODEL_FIRM_4, -1, "four hard-edged lobes", lobes<4, true>},
+    {"multi-2", "fit", MODEL_MULTI_2, -1, "two apertures", caps<2>},
+    {"multi-3", "fit", MODEL_MULTI_3, -1, "three apertures", caps<3>},
+    {"multi-4", "fit", MODEL_MULTI_4, -1, "four apertures", caps<4>},
+    {"cap-anti", "fit", MODEL_CAP_ANTI, -1, "two of aperture and anti-aperture", capAnti},
+    {"horizon", "rays", MODEL_HORIZON, -1, "the horizon at 16 azimuths", heights},
+    {"auto", "fit", MODEL_AUTO, -1, "the least model for each point", chooseModel},
 };
 
 }  // namespace
@@ -203,10 +205,23 @@ const Recipe* findRecipe(std::string_view name) {
     return nullptr;
 }
 
+const Recipe& recipeNamed(std::string_view name) {
+    const Recipe* recipe = findRecipe(name);
+    if (!recipe) throw Error("there is no recipe '" + std::string(name) + "'");
+    return *recipe;
+}
+
+const Recipe& recipeFor(const Model& model) {
+    if (model.fromVisibility) return recipeNamed("sh");
+    for (const Recipe& recipe : kRecipes)
+        if (recipe.model == model.id) return recipe;
+    throw Error("no recipe makes the model '" + std::string(model.name) + "'");
+}
+
 BakedPoint makePoint(const Recipe& recipe, const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options) {
     BakedPoint out = recipe.make(tools, samples, frame, options);
     out.visibility.direction = frame * out.visibility.direction;
-    if (recipe.model >= 0) out.params = rotateParams(models()[size_t(chosenModel(recipe.model, out.params))], out.params, frame);
+    if (recipe.model >= 0) out.params = rotateParams(chosenModel(models()[size_t(recipe.model)], out.params), out.params, frame);
     return out;
 }
 

@@ -37,14 +37,23 @@ struct FitOptions {
 struct Recipe {
     std::string_view name;    // of bake --model
     std::string_view source;  // sh: coefficients of the visibility itself; rays: straight from the rays; fit
-    int model;                // that it is stored for, or -1 for all that are made from the four numbers
+    int model;                // that it is stored for, or -1 for those that are made from the four numbers:
+    int only;                 // for this one alone, or -1 for all of them
     std::string_view what;
     // `frame` takes the samples' directions to the world; the result is in the samples' frame.
     BakedPoint (*make)(const FitTools&, const Samples&, const mat3& frame, const FitOptions&);
 };
 
 std::span<const Recipe> recipes();
+
+// nullptr where there is none of that name.
 const Recipe* findRecipe(std::string_view name);
+
+// The same, where it must be there: throws Error naming it.
+const Recipe& recipeNamed(std::string_view name);
+
+// What makes a model: the recipe that stores it, or else the visibility's own four numbers. Throws Error where there is neither.
+const Recipe& recipeFor(const Model& model);
 
 // What of its tools a recipe needs.
 FitTools::Use useOf(const Recipe& recipe);

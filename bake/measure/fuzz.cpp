@@ -8,7 +8,6 @@
 
 #include "bake/sampling/directions.h"
 #include "bake/fit/choose.h"
-#include "runtime/asset/params_stream.h"
 
 namespace apertura {
 
@@ -39,14 +38,13 @@ FuzzInput fuzzInput(const Model& model, uint32_t seed, uint64_t index) {
         const float share = unit() < 0.5 ? float(unit()) : among({0.0f, 1.0f, 1.0001f, 1e-6f, 10.0f});
         const Visibility v{axis(unit() < 0.5 ? normal : light) * std::clamp(area * (1 - area / (4 * pi)) * share, -1e30f, 1e30f), area};
         const Model* stored = &model;
-        if (model.id == MODEL_AUTO) stored = &models()[size_t(autoChoices()[size_t(unit() * double(autoChoices().size()))])];
+        if (model.kind == ModelKind::Choice) stored = autoModels()[size_t(unit() * double(autoModels().size()))];
         std::vector<float> numbers(size_t(storedNumbers(*stored)) + 1);
         for (float& n : numbers) n = unit() < 0.7 ? float(2 * unit() - 1) : among({-1.0f, 1.0f, 0.0f, -0.0f, 1 / 127.0f, -1 / 127.0f, 1e-20f});
         ModelParams raw = unpackParams(*stored, numbers);
-        if (model.id == MODEL_AUTO) raw[4].y = float(stored->id);
-        const bool hasForm = stored->storedFields > 0 || model.id == MODEL_AUTO;
+        if (model.kind == ModelKind::Choice) setChoice(raw, *stored, false);
         const Visibility possible = clampToPossible(v);
-        return toReceiver(possible, toParams(model, v, hasForm ? &raw : nullptr, normal), normal);
+        return toReceiver(possible, toParams(model, v, model.isStored() ? &raw : nullptr, normal), normal);
     };
     out.receiver = params();
     if (model.mixes && unit() < 0.3) {
@@ -82,16 +80,16 @@ FuzzCount countFuzz(const Model& model, uint32_t seed, uint64_t inputs, const Fr
         std::vector<Evaluation> frames[4];
         for (uint64_t i = b * batch; i < std::min(inputs, (b + 1) * batch); ++i) {
             const FuzzInput input = fuzzInput(model, seed, i);
-            const auto size = size_t(lightClassOf(input.light.w));
+            const auto lightClass = size_t(lightClassOf(input.light.w));
             Evaluation e{vec4(input.receiver.normal, 0), input.light, input.receiver.visibility, {}};
             std::copy_n(input.receiver.params, MAX_SLOTS, e.params);
-            frames[size].push_back(e);
-            all[size].push_back(input);
+            frames[lightClass].push_back(e);
+            all[lightClass].push_back(input);
         }
-        for (size_t size = 0; size < 4; ++size) {
-            if (frames[size].empty()) continue;
-            const std::vector<float> found = device(model.id, int(size), frames[size]);
-            for (size_t i = 0; i < found.size(); ++i) judge(counts[b], found[i], all[size][i]);
+        for (size_t lightClass = 0; lightClass < 4; ++lightClass) {
+            if (frames[lightClass].empty()) continue;
+            const std::vector<float> found = device(model.id, int(lightClass), frames[lightClass]);
+            for (size_t i = 0; i < found.size(); ++i) judge(counts[b], found[i], all[lightClass][i]);
         }
     };
     if (device)

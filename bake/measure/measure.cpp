@@ -12,6 +12,7 @@
 #include "bake/fit/choose.h"
 #include "bake/sampling/directions.h"
 #include "bake/sampling/progress.h"
+#include "runtime/asset/receiver.h"
 #include "sh/packing.h"
 
 namespace apertura {
@@ -27,50 +28,50 @@ float modelValue(int model, const Receiver& receiver, const CapLight& light) {
 }
 
 // The receivers of a scene, their lights, and the truth for each radius.
-struct Ground {
+struct LitReceivers {
     std::vector<SurfaceSample> points;
     std::vector<std::vector<glm::vec3>> lights;               // a receiver
     std::vector<std::vector<std::vector<TruthSample>>> truth;  // [receiver][radius][light]
 };
 
-Ground traceGround(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options, const Progress& progress) {
-    Ground ground;
-    ground.points = sampleSurface(scene, options.receivers, options.seed, region.region);
-    const size_t n = ground.points.size();
-    ground.lights.resize(n);
-    ground.truth.resize(n);
+LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options, const Progress& progress) {
+    LitReceivers lit;
+    lit.points = sampleSurface(scene, options.receivers, options.seed, region.region);
+    const size_t n = lit.points.size();
+    lit.lights.resize(n);
+    lit.truth.resize(n);
     ProgressCounter counter(progress, n);
     tbb::parallel_for(size_t(0), n, [&](size_t i) {
         if (counter.stopped()) return;
-        const SurfacePoint& point = ground.points[i].at;
-        ground.lights[i] = lightDirections(region, point, options.seed, i);
+        const SurfacePoint& point = lit.points[i].at;
+        lit.lights[i] = lightDirections(region, point, options.seed, i);
         for (size_t r = 0; r < options.lightRadii.size(); ++r) {
             std::vector<TruthSample> row;
-            for (size_t k = 0; k < ground.lights[i].size(); ++k)
-                row.push_back(traceLight(tracer, point, ground.lights[i][k], options.lightRadii[r] * kPi / 180,
+            for (size_t k = 0; k < lit.lights[i].size(); ++k)
+                row.push_back(traceLight(tracer, point, lit.lights[i][k], options.lightRadii[r] * kPi / 180,
                                          options.lightSamples, 2 * kPi * hashUnit(options.seed, i, 100 + k)));
-            ground.truth[i].push_back(std::move(row));
+            lit.truth[i].push_back(std::move(row));
         }
         counter.add(1);
     });
     counter.throwIfStopped();
-    return ground;
+    return lit;
 }
 
 // One model at every receiver. Of models whose parameters may not be mixed a receiver has three corners, weighed.
-struct Made {
+struct ModelReceivers {
     const Model* model;
     std::string source;
     double numbers, bytes;
     std::vector<std::vector<std::pair<float, Receiver>>> receivers;
 };
 
-void addRows(const Ground& ground, const Made& made, const std::vector<Visibility>& truth, const MeasureOptions& options,
+void addRows(const LitReceivers& lit, const ModelReceivers& made, const std::vector<Visibility>& truth, const MeasureOptions& options,
              std::vector<MeasureRow>& rows) {
     const size_t n = made.receivers.size();
     double ambient = 0;
     for (size_t i = 0; i < n; ++i) {
-        double sky = -std::max(glm::dot(ground.points[i].at.normal, truth[i].direction), 0.0f);
+        double sky = -std::max(glm::dot(lit.points[i].at.normal, truth[i].direction), 0.0f);
         for (const auto& [weight, receiver] : made.receivers[i]) sky += weight * skyIrradiance(made.model->id, receiver);
         ambient += sky * sky / (kPi * kPi);
     }
@@ -86,11 +87,11 @@ void addRows(const Ground& ground, const Made& made, const std::vector<Visibilit
         std::vector<double> leaks;
         for (size_t i = 0; i < n; ++i) {
             double here = 0;
-            for (size_t k = 0; k < ground.lights[i].size(); ++k) {
-                const TruthSample& sample = ground.truth[i][r][k];
-                const CapLight light = capLight(ground.lights[i][k], float(std::sin(row.lightRadius * kPi / 180)));
+            for (size_t k = 0; k < lit.lights[i].size(); ++k) {
+                const TruthSample& sample = lit.truth[i][r][k];
+                const CapLight light = capLight(lit.lights[i][k], float(std::sin(row.lightRadius * kPi / 180)));
                 double e = -sample.mean();
-                const bool blocked = sample.first <= 0 && sample.second <= 0 && glm::dot(ground.lights[i][k], ground.points[i].at.normal) > kLeakCosine;
+                const bool blocked = sample.first <= 0 && sample.second <= 0 && glm::dot(lit.lights[i][k], lit.points[i].at.normal) > kLeakCosine;
                 for (const auto& [weight, receiver] : made.receivers[i]) e += weight * modelValue(made.model->id, receiver, light);
                 if (blocked) leaks.push_back(e);
                 here += e * e;
@@ -101,7 +102,7 @@ void addRows(const Ground& ground, const Made& made, const std::vector<Visibilit
                 ++count;
             }
             row.rmse += here;
-            row.receiverRmse.push_back(float(std::sqrt(here / double(ground.lights[i].size()))));
+            row.receiverRmse.push_back(float(std::sqrt(here / double(lit.lights[i].size()))));
         }
         row.rmse = std::sqrt(row.rmse / double(count));
         row.rmsTruth = std::sqrt(row.rmsTruth / double(count));
@@ -121,14 +122,11 @@ bool asked(const MeasureOptions& options, const Model& model) {
 }
 
 // The models that a recipe's points are measured as: its own, or those that are made from the four numbers.
-// The coefficients of the best soft aperture are for that alone.
 std::vector<const Model*> modelsOf(const Recipe& recipe, const MeasureOptions& options) {
     std::vector<const Model*> out;
     if (recipe.source == "transfer") return out;  // measured by where it leads: see comparePaths
     for (const Model& model : models()) {
-        const bool own = recipe.model >= 0 ? model.id == recipe.model
-                       : recipe.source == "fit" ? model.id == MODEL_SOFT
-                                                : model.fromVisibility != nullptr;
+        const bool own = recipe.model >= 0 ? model.id == recipe.model : recipe.only >= 0 ? model.id == recipe.only : model.fromVisibility != nullptr;
         if (own && asked(options, model)) out.push_back(&model);
     }
     return out;
@@ -141,21 +139,21 @@ int storedAt(const Model& model, const Recipe& recipe) { return recipe.model >= 
 double chosenNumbers(const Asset& asset) {
     double sum = 0, count = 0;
     for (const SeenByInstance& seen : asset.seen)
-        for (const ModelParams& params : seen.allParams) sum += models()[size_t(chosenModel(MODEL_AUTO, params))].numbers, ++count;
+        for (const ModelParams& params : seen.allParams) sum += chosenModel(models()[MODEL_AUTO], params).numbers, ++count;
     return sum / std::max(count, 1.0);
 }
 
 const Model& apertureModel() { return models()[MODEL_APERTURE]; }
 
-std::vector<Receiver> receiversFrom(const Ground& ground, const std::vector<Visibility>& visibility) {
+std::vector<Receiver> receiversFrom(const LitReceivers& lit, const std::vector<Visibility>& visibility) {
     std::vector<Receiver> out;
-    for (size_t i = 0; i < visibility.size(); ++i) out.push_back(toReceiver(apertureModel(), visibility[i], ground.points[i].at.normal));
+    for (size_t i = 0; i < visibility.size(); ++i) out.push_back(toReceiver(apertureModel(), visibility[i], lit.points[i].at.normal));
     return out;
 }
 
 Aperture apertureOf(const Receiver& receiver) { return makeAperture(vec3(receiver.params[0]), receiver.params[0].w); }
 
-PathRow comparePath(const Ground& ground, const std::string& stage, const std::string& source,
+PathRow comparePath(const LitReceivers& lit, const std::string& stage, const std::string& source,
                     const std::vector<Receiver>& reference, const std::vector<Receiver>& changed) {
     PathRow row{stage, source};
     double lights = 0, axes = 0;
@@ -170,7 +168,7 @@ PathRow comparePath(const Ground& ground, const std::string& stage, const std::s
             row.directionMax = std::max(row.directionMax, angle);
             ++axes;
         }
-        for (const glm::vec3& l : ground.lights[i]) {
+        for (const glm::vec3& l : lit.lights[i]) {
             const CapLight light = capLight(l, float(std::sin(kPathRadius * kPi / 180)));
             const double e = modelValue(MODEL_APERTURE, changed[i], light) - modelValue(MODEL_APERTURE, reference[i], light);
             row.irradianceRms += e * e;
@@ -203,39 +201,35 @@ Receiver apertureThroughBytes(Receiver receiver) {
     return renormalised(MODEL_APERTURE, receiver);
 }
 
-std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, const Ground& ground,
+std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, const LitReceivers& lit,
                                   const std::vector<Visibility>& sh, const std::vector<Visibility>& rays,
                                   const std::vector<Visibility>& transfer, const BakeOptions& bake, const Progress& progress) {
-    const std::vector<Receiver> reference = receiversFrom(ground, sh);
+    const std::vector<Receiver> reference = receiversFrom(lit, sh);
     std::vector<PathRow> out;
-    out.push_back(comparePath(ground, "at the receiver, unquantised: the same by construction", "rays", reference, receiversFrom(ground, rays)));
-    out.push_back(comparePath(ground, "cosine-weighted transfer, converted, instead of visibility", "sh", reference, receiversFrom(ground, transfer)));
+    out.push_back(comparePath(lit, "at the receiver, unquantised: the same by construction", "rays", reference, receiversFrom(lit, rays)));
+    out.push_back(comparePath(lit, "cosine-weighted transfer, converted, instead of visibility", "sh", reference, receiversFrom(lit, transfer)));
     auto through = [&](auto&& change) {
         std::vector<Visibility> changed;
         for (const Visibility& v : sh) changed.push_back(change(v));
-        return receiversFrom(ground, changed);
+        return receiversFrom(lit, changed);
     };
-    out.push_back(comparePath(ground, "the asset's 4 bytes", "sh", reference, through([](const Visibility& v) { return unpack(pack8(v)); })));
-    out.push_back(comparePath(ground, "the asset's 8 bytes", "sh", reference, through([](const Visibility& v) { return unpack(pack16(v)); })));
-    out.push_back(comparePath(ground, "4 bytes of raw coefficients", "sh", reference, through(shThroughBytes)));
+    out.push_back(comparePath(lit, "the asset's 4 bytes", "sh", reference, through([](const Visibility& v) { return unpack(pack8(v)); })));
+    out.push_back(comparePath(lit, "the asset's 8 bytes", "sh", reference, through([](const Visibility& v) { return unpack(pack16(v)); })));
+    out.push_back(comparePath(lit, "4 bytes of raw coefficients", "sh", reference, through(shThroughBytes)));
     std::vector<Receiver> packed;
     for (const Receiver& r : reference) packed.push_back(apertureThroughBytes(r));
-    out.push_back(comparePath(ground, "4 bytes of axis and radius", "rays", reference, packed));
+    out.push_back(comparePath(lit, "4 bytes of axis and radius", "rays", reference, packed));
 
     // The corners of each receiver's triangle, seen with its own normal; then mixed.
     std::vector<SurfacePoint> corners;
-    for (const SurfaceSample& p : ground.points) {
-        const Instance& instance = scene.instances[p.instance];
-        const Surface& surface = scene.surfaces[instance.surface];
-        for (uint32_t v : surface.triangles[p.triangle]) {
-            corners.push_back({glm::mix(worldPosition(instance, surface.positions[v]), p.at.position, 0.01), p.at.normal, p.at.longest});
-        }
-    }
+    for (const SurfaceSample& p : lit.points)
+        for (const glm::dvec3& corner : cornersOf(scene, p.instance, p.triangle))
+            corners.push_back({glm::mix(corner, p.at.position, 0.01), p.at.normal, p.at.longest});
     const std::vector<BakedPoint> at = bakePoints(RayOcclusion(tracer), corners, bake, progress);
     auto mixed = [&](bool even, bool coefficients) {
         std::vector<Receiver> receivers;
-        for (size_t i = 0; i < ground.points.size(); ++i) {
-            const glm::vec3 w = even ? glm::vec3(1 / 3.0f) : ground.points[i].weights, n = ground.points[i].at.normal;
+        for (size_t i = 0; i < lit.points.size(); ++i) {
+            const glm::vec3 w = even ? glm::vec3(1 / 3.0f) : lit.points[i].weights, n = lit.points[i].at.normal;
             Visibility sum;
             vec4 mix(0);
             for (int c = 0; c < 3; ++c) {
@@ -248,10 +242,10 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
         }
         return receivers;
     };
-    out.push_back(comparePath(ground, "interpolated over its triangle, then converted", "sh", reference, mixed(false, true)));
-    out.push_back(comparePath(ground, "apertures interpolated over its triangle", "rays", reference, mixed(false, false)));
-    out.push_back(comparePath(ground, "filtered over its triangle, then converted", "sh", reference, mixed(true, true)));
-    out.push_back(comparePath(ground, "apertures filtered over its triangle", "rays", reference, mixed(true, false)));
+    out.push_back(comparePath(lit, "interpolated over its triangle, then converted", "sh", reference, mixed(false, true)));
+    out.push_back(comparePath(lit, "apertures interpolated over its triangle", "rays", reference, mixed(false, false)));
+    out.push_back(comparePath(lit, "filtered over its triangle, then converted", "sh", reference, mixed(true, true)));
+    out.push_back(comparePath(lit, "apertures filtered over its triangle", "rays", reference, mixed(true, false)));
     return out;
 }
 
@@ -266,9 +260,9 @@ std::optional<tbb::global_control> limitThreads(int threads) {
 Measurement measureScene(const Scene& scene, const MeasureOptions& options, const Progress& progress) {
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(scene, part(progress, 0, 0));
-    const Ground ground = traceGround(scene, measuredRegion(scene.name, scene), tracer, options, part(progress, 0, 0.6));
+    const LitReceivers lit = traceLitReceivers(scene, measuredRegion(scene.name, scene), tracer, options, part(progress, 0, 0.6));
     std::vector<SurfacePoint> points;
-    for (const SurfaceSample& p : ground.points) points.push_back(p.at);
+    for (const SurfaceSample& p : lit.points) points.push_back(p.at);
     const RayOcclusion occlusion(tracer);
     BakeOptions bake;
     bake.rays = options.rays;
@@ -278,15 +272,15 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
     for (const Recipe& recipe : recipes())
         if (auto models = modelsOf(recipe, options); !models.empty()) wanted.emplace_back(&recipe, models);
     const FitTools tools(options.rays);
-    FitOptions how{options.tolerance};
-    if (asked(options, models()[MODEL_AUTO])) how.lambda = lambdaAt(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7));
+    FitOptions fitOptions{options.tolerance};
+    if (asked(options, models()[MODEL_AUTO])) fitOptions.lambda = lambdaAt(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7));
     std::vector<std::vector<BakedPoint>> baked(wanted.size(), std::vector<BakedPoint>(points.size()));
     std::vector<Visibility> sh(points.size()), rays(points.size()), transfer(points.size());
     samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.7, 0.95), [&](size_t i, const Samples& samples, const glm::mat3& frame) {
-        for (size_t k = 0; k < wanted.size(); ++k) baked[k][i] = makePoint(*wanted[k].first, tools, samples, frame, how);
-        sh[i] = makePoint(*findRecipe("sh"), tools, samples, frame, how).visibility;
-        rays[i] = makePoint(*findRecipe("rays"), tools, samples, frame, how).visibility;
-        transfer[i] = makePoint(*findRecipe("transfer"), tools, samples, frame, how).visibility;
+        for (size_t k = 0; k < wanted.size(); ++k) baked[k][i] = makePoint(*wanted[k].first, tools, samples, frame, fitOptions);
+        sh[i] = makePoint(recipeNamed("sh"), tools, samples, frame, fitOptions).visibility;
+        rays[i] = makePoint(recipeNamed("rays"), tools, samples, frame, fitOptions).visibility;
+        transfer[i] = makePoint(recipeNamed("transfer"), tools, samples, frame, fitOptions).visibility;
     });
 
     Measurement out;
@@ -296,17 +290,17 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
     for (size_t k = 0; k < wanted.size(); ++k) {
         const Recipe& recipe = *wanted[k].first;
         for (const Model* model : wanted[k].second) {
-            Made made{model, std::string(recipe.source), double(model->numbers), 4.0 + storedAt(*model, recipe), {}};
+            ModelReceivers made{model, std::string(recipe.source), double(model->numbers), 4.0 + storedAt(*model, recipe), {}};
             double chosen = 0, bytes = 0, missed = 0;
             for (size_t i = 0; i < points.size(); ++i) {
                 const BakedPoint& p = baked[k][i];
                 const ModelParams* stored = recipe.model >= 0 ? &p.params : nullptr;
                 made.receivers.push_back({{1.0f, toReceiver(p.visibility, toParams(*model, p.visibility, stored, points[i].normal), points[i].normal)}});
                 if (model->id != MODEL_AUTO) continue;
-                const Model& own = models()[size_t(chosenModel(MODEL_AUTO, p.params))];
+                const Model& own = chosenModel(*model, p.params);
                 chosen += own.numbers;
                 bytes += storedNumbers(own);
-                missed += p.params[4].z;
+                missed += choiceIn(p.params[CHOICE_SLOT]).outOfReach;
             }
             if (model->id == MODEL_AUTO) {
                 made.numbers = chosen / double(points.size());
@@ -315,20 +309,20 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
             } else if (recipe.model >= 0 && model->fromVisibility) {
                 made.numbers = storedNumbers(*model);
             }
-            addRows(ground, made, sh, options, out.rows);
+            addRows(lit, made, sh, options, out.rows);
         }
     }
     bake.recipe = "sh";
-    out.paths = comparePaths(scene, tracer, ground, sh, rays, transfer, bake, part(progress, 0.95, 1));
+    out.paths = comparePaths(scene, tracer, lit, sh, rays, transfer, bake, part(progress, 0.95, 1));
     return out;
 }
 
 Measurement measureAsset(const Asset& asset, const MeasureOptions& options, const Progress& progress) {
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(asset.scene, part(progress, 0, 0));
-    const Ground ground = traceGround(asset.scene, measuredRegion(asset.info.scene, asset.scene), tracer, options, part(progress, 0, 0.9));
+    const LitReceivers lit = traceLitReceivers(asset.scene, measuredRegion(asset.info.scene, asset.scene), tracer, options, part(progress, 0, 0.9));
     std::vector<SurfacePoint> points;
-    for (const SurfaceSample& p : ground.points) points.push_back(p.at);
+    for (const SurfaceSample& p : lit.points) points.push_back(p.at);
     BakeOptions bake;
     bake.rays = options.rays;
     bake.seed = options.seed;
@@ -346,31 +340,12 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
         const Recipe* recipe = findRecipe(asset.info.model);
         // Models that are stored leave the four numbers what they are; `auto` may store those of a fit.
         const bool own4 = recipe && (stored || recipe->model < 0 || recipe->model == MODEL_AUTO);
-        Made made{&model, std::string(own4 ? recipe->source : "sh"), double(model.numbers), bytesAPoint(asset), {}};
+        ModelReceivers made{&model, std::string(own4 ? recipe->source : "sh"), double(model.numbers), bytesAPoint(asset), {}};
         if (stored && model.id == MODEL_AUTO) made.numbers = chosenNumbers(asset);
         if (stored && model.fromVisibility) made.numbers = storedNumbers(model);
-        for (const SurfaceSample& p : ground.points) {
-            const Instance& instance = asset.scene.instances[p.instance];
-            const Surface& surface = asset.scene.surfaces[instance.surface];
-            const SeenByInstance& seen = asset.seen[p.instance];
-            const glm::mat3 normals = normalMatrix(instance.toWorld);
-            Visibility sum;
-            ModelParams mix{};
-            std::vector<std::pair<float, Receiver>> corners;
-            for (int c = 0; c < 3; ++c) {
-                const uint32_t v = surface.triangles[p.triangle][c];
-                const float w = p.weights[c];
-                const vec3 normal = glm::normalize(normals * surface.normals[v]);
-                const ModelParams params = toParams(model, seen.visibility[v], stored ? &seen.allParams[v] : nullptr, normal);
-                sum.direction += w * seen.visibility[v].direction;
-                sum.area += w * seen.visibility[v].area;
-                for (int k = 0; k < MAX_SLOTS; ++k) mix[k] += w * params[k];
-                corners.emplace_back(w, toReceiver(seen.visibility[v], params, p.at.normal));
-            }
-            if (mayMix(model, stored)) corners = {{1.0f, renormalised(model.id, toReceiver(sum, mix, p.at.normal))}};
-            made.receivers.push_back(std::move(corners));
-        }
-        addRows(ground, made, truth, options, out.rows);
+        for (const SurfaceSample& p : lit.points)
+            made.receivers.push_back(receiverAt(asset, model, p.instance, p.triangle, p.weights, p.at.normal));
+        addRows(lit, made, truth, options, out.rows);
     }
     return out;
 }

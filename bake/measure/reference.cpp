@@ -23,15 +23,15 @@ public:
     glm::vec3 radiance(const glm::vec3& eye, const glm::vec3& direction, uint64_t sample) {
         const std::optional<Hit> hit = tracer_.nearest(eye, direction);
         if (!hit) return view_.sky;
-        const glm::dvec3 origin = rayOrigin(tracer_, {hit->position, hit->normal});
+        const glm::dvec3 origin = rayOrigin(tracer_, {hit->at.position, hit->at.normal});
         std::vector<CapLight> caps;
         glm::vec3 irradiance(0);
         for (const Light& light : view_.lights) {
-            const CapLight cap = capSeenFrom(hit->position, light);
-            irradiance += fromLight(light, cap, origin, hit->normal, sample, caps.size());
+            const CapLight cap = capSeenFrom(hit->at.position, light);
+            irradiance += fromLight(light, cap, origin, hit->at.normal, sample, caps.size());
             caps.push_back(cap);
         }
-        irradiance += fromSky(caps, origin, hit->normal, sample);
+        irradiance += fromSky(caps, origin, hit->at.normal, sample);
         return view_.albedo / PI * irradiance;
     }
 

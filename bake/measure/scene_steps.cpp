@@ -24,13 +24,13 @@ void forReceivers(const Scene& scene, const std::vector<const Model*>& asked, in
     std::vector<SurfacePoint> points;
     for (const SurfaceSample& p : sampleReceivers(scene, receivers, seed)) points.push_back(p.at);
     const FitTools tools(rays);
-    FitOptions how;
-    how.lambda = 1 / (how.tolerance * how.tolerance);
+    FitOptions fitOptions;
+    fitOptions.lambda = 1 / (fitOptions.tolerance * fitOptions.tolerance);
     samplePoints(RayOcclusion(tracer), points, tools.lattice, seed, 0, progress, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
         for (size_t m = 0; m < asked.size(); ++m) {
             const Model& model = *asked[m];
-            const Recipe& recipe = *findRecipe(model.fromVisibility ? "sh" : model.name);
-            const BakedPoint point = makePoint(recipe, tools, samples, frame, how);
+            const Recipe& recipe = recipeFor(model);
+            const BakedPoint point = makePoint(recipe, tools, samples, frame, fitOptions);
             use(i, frame, m, toReceiver(point.visibility, toParams(model, point.visibility, recipe.model >= 0 ? &point.params : nullptr, points[i].normal), points[i].normal));
         }
     });

@@ -30,22 +30,6 @@ double share(std::vector<ExactCap> caps, const dvec3& normal, double radius) {
 
 double radiusOf(float height) { return std::acos(1 - std::clamp(double(height), 0.0, 2.0)); }
 
-double linkOf(double f) { return 0.5 + 0.5 * f / std::sqrt(1 + f * f); }
-
-// The visibility of a model of lobes in one direction.
-double lobesAt(const Model& model, const Receiver& r, const dvec3& w) {
-    auto lobe = [&](int k) { return linkOf(double(r.params[k].w) + glm::dot(dvec3(r.params[k]), w)); };
-    if (model.id == MODEL_SOFT) return lobe(0);
-    if (model.id == MODEL_SOFT_L2) {
-        const SoftQuadric q{vec3(r.params[0]), r.params[0].w, r.params[1], r.params[2].x};
-        return linkOf(double(q.offset) + glm::dot(dvec3(q.slope) + dvec3(bendTimes(q, vec3(w))), w));
-    }
-    const int count = model.numbers == 12 ? 4 : model.numbers == 9 ? 3 : 2;
-    vec4 each(1);
-    for (int k = 0; k < count; ++k) each[k] = float(lobe(k));
-    return combineLobes(count, plainProducts(each), r.params[count]);
-}
-
 }  // namespace
 
 double exactThroughCap(const SweepFrame& f) {
@@ -55,35 +39,32 @@ double exactThroughCap(const SweepFrame& f) {
 
 double exactInModel(const Model& any, const Receiver& r, const dvec3& light, double radius) {
     const dvec3 n(r.normal);
-    const Model& model = models()[size_t(any.id == MODEL_AUTO ? int(r.params[4].y + 0.5f) : any.id)];
+    const Model& model = chosenModel(any, paramsOf(r));
     const ExactCap lit{light, radius};
     auto cap = [&](int k) { return ExactCap{glm::normalize(dvec3(r.params[k])), radiusOf(r.params[k].w)}; };
     auto through = [&](int k) { return share({lit, cap(k)}, n, radius); };
     const double open = share({lit}, n, radius);
-    switch (model.id) {
-        case MODEL_APERTURE: return through(0);
-        case MODEL_ALPHA: return double(r.params[1].x) * through(0);
-        case MODEL_ANTI: return through(0) + double(r.params[2].x) * (open - through(1) - through(0));
-        case MODEL_CAP_ANTI: {
+    switch (model.kind) {
+        case ModelKind::Area: return open * std::min(double(r.visibility.w) / (2 * kPi), 1.0);
+        case ModelKind::Aperture: return opacityIn(r) * through(0);
+        case ModelKind::Anti: return through(0) + double(twoCapsIn(r).weight) * (open - through(1) - through(0));
+        case ModelKind::CapAnti: {
             const double both = share({lit, cap(0), cap(1)}, n, radius);
-            return r.params[2].x > 0.5f ? open - both : both;
+            return twoCapsIn(r).weight > 0.5f ? open - both : both;
         }
-        case MODEL_MULTI_2:
-        case MODEL_MULTI_3:
-        case MODEL_MULTI_4: {
+        case ModelKind::Union: {
             double seen = 0;  // by inclusion and exclusion
-            const int count = model.numbers / 3;
-            for (int set = 1; set < 1 << count; ++set) {
+            for (int set = 1; set < 1 << model.parts; ++set) {
                 std::vector<ExactCap> caps{lit};
-                for (int k = 0; k < count; ++k)
+                for (int k = 0; k < model.parts; ++k)
                     if (set >> k & 1) caps.push_back(cap(k));
                 seen += (std::popcount(unsigned(set)) % 2 ? 1 : -1) * share(caps, n, radius);
             }
             return seen;
         }
-        case MODEL_AO: return open * std::min(double(r.visibility.w) / (2 * kPi), 1.0);
         default: break;
     }
+    // The model's own visibility in each direction of the light: its formula for one that is a point.
     const double height = 2 * std::pow(std::sin(radius / 2), 2), s = std::sin(radius);
     static const std::vector<glm::vec3> unit = fibonacciCap(2000, 1);
     const dvec3 u(tangentTo(vec3(light))), v = glm::cross(light, u);
@@ -91,8 +72,9 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
     for (const glm::vec3& p : unit) {  // even in height is even in area, of a smaller cap too
         const double down = height * (1 - double(p.z)), across = std::sqrt(down * (2 - down)), flat = std::hypot(double(p.x), double(p.y));
         const dvec3 w = (1 - down) * light + across * (double(p.x) * u + double(p.y) * v) / std::max(flat, 1e-12);
-        const double z = glm::dot(n, w);
-        if (z > 0) sum += z * lobesAt(model, r, w);
+        if (glm::dot(n, w) <= 0) continue;
+        const CapLight point = capLight(vec3(w), 1e-4f);
+        sum += double(irradianceThrough(model.id, r, point, LIGHTS_SUN)) / point.area;
     }
     return 2 * height / (s * s) * sum / double(unit.size());
 }
@@ -100,7 +82,7 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
 SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sweep) {
     SweptModel out{&model, {}};
     const vec3 normal(kUp);
-    const Recipe* recipe = model.fromVisibility ? nullptr : findRecipe(model.name);
+    const Recipe* recipe = model.fromVisibility ? nullptr : &recipeFor(model);
     for (size_t i = 0; i < sweep.frames.size(); ++i) {
         const SweepFrame& f = sweep.frames[i];
         const SweepFrame* before = i ? &sweep.frames[i - 1] : nullptr;
@@ -116,9 +98,9 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
         if (recipe) {
             std::vector<uint8_t> blocked;
             for (const vec3& w : tools.lattice.directions()) blocked.push_back(glm::dot(dvec3(w), f.aperture) < std::cos(f.apertureRadius));
-            FitOptions how;
-            how.lambda = 1 / (how.tolerance * how.tolerance);
-            const BakedPoint point = makePoint(*recipe, tools, Samples(tools.lattice, blocked), mat3(1), how);
+            FitOptions fitOptions;
+            fitOptions.lambda = 1 / (fitOptions.tolerance * fitOptions.tolerance);
+            const BakedPoint point = makePoint(*recipe, tools, Samples(tools.lattice, blocked), mat3(1), fitOptions);
             params = toParams(model, point.visibility, &point.params, normal);
             if (!model.baseline) seen = point.visibility;
         } else {

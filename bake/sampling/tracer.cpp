@@ -234,24 +234,11 @@ std::optional<Hit> Tracer::nearest(const glm::dvec3& world, const glm::vec3& dir
     rtcIntersect1(impl_->top, &context, &query);
 #endif
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    const unsigned id = query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? query.hit.instID[0] : query.hit.geomID;
-    const Instance& instance = impl_->scene->instances[id];
-    const Surface& surface = impl_->scene->surfaces[instance.surface];
-    const auto& t = surface.triangles[query.hit.primID];
+    const bool instanced = query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+    const int instance = int(instanced ? query.hit.instID[0] : query.hit.geomID), triangle = int(query.hit.primID);
     const float u = query.hit.u, v = query.hit.v;
-    const glm::vec3 n = (1 - u - v) * surface.normals[t[0]] + u * surface.normals[t[1]] + v * surface.normals[t[2]];
-    const glm::vec3 turned = normalMatrix(instance.toWorld) * n;
-    const float length = glm::length(turned);
-    const double distance = double(query.ray.tfar) / impl_->scale;
-    // The triangle itself, not its interpolated normal, which leans; its winding may run either way.
-    const glm::dvec3 corners[3] = {worldPosition(instance, surface.positions[t[0]]), worldPosition(instance, surface.positions[t[1]]),
-                                   worldPosition(instance, surface.positions[t[2]])};
-    const glm::dvec3 face = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-    const glm::dvec3 front = normalMatrix(instance.toWorld) * (surface.normals[t[0]] + surface.normals[t[1]] + surface.normals[t[2]]);
-    const double agree = glm::dot(face, front);
-    const bool wound = agree >= -1e-6 * glm::length(face) * glm::length(front);  // normals that lie in the face say nothing
-    const bool back = (glm::dot(face, glm::dvec3(direction)) > 0) == wound;
-    return Hit{world + distance * glm::dvec3(direction), length > 0 ? turned / length : -glm::normalize(direction), float(distance), back, instance.surface, int(query.hit.primID)};
+    const SurfaceAt at = surfaceAt(*impl_->scene, instance, triangle, {1 - u - v, u, v});
+    return Hit{at, float(double(query.ray.tfar) / impl_->scale), glm::dot(at.face, direction) > 0, instance, triangle};
 }
 
 }  // namespace apertura

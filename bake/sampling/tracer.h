@@ -11,11 +11,10 @@
 namespace apertura {
 
 struct Hit {
-    glm::dvec3 position;  // world
-    glm::vec3 normal;     // world; the interpolated vertex normal, unit
-    float distance;       // in lengths of the ray's direction
-    bool back;            // the ray came from behind: from where its triangle's vertex normals point away
-    int surface, triangle;
+    SurfaceAt at;
+    float distance;  // in lengths of the ray's direction
+    bool back;       // the ray came from behind: from where the triangle's vertex normals point away
+    int instance, triangle;
 };
 
 // Rays are traced about the scene's middle and in its own size, so that a scene is the same to the last bit wherever

@@ -3,22 +3,20 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "bake/sampling/directions.h"
 #include "bake/sampling/progress.h"
+#include "bake/sampling/solids.h"
 
 namespace apertura {
 namespace {
 
 using glm::dvec3;
 
-constexpr int kProbes = 16;           // rays that tell what a vertex lies in
-constexpr int kSuspicious = 4;        // of them, that see backs of faces: somewhere else may be
+constexpr int kSuspicious = 4;        // of Solids::kProbes rays, that see backs of faces: somewhere else may be
 constexpr double kBetter = 0.25;      // which sees no more than this share of them
 constexpr double kSteps[] = {0.02, 0.1, 0.25, 0.5, 0.75, 1};  // of the way to the middle of a triangle or an edge
 constexpr double kNoArea = 1e-10;     // a triangle's area over its longest edge squared
@@ -145,34 +143,8 @@ private:
     bool mirrored_ = false;
 };
 
-// The triangles of each surface that nothing is behind of: of two-sided materials, or with a twin that faces the other way.
-using Open = std::vector<std::vector<bool>>;
-Open twoSided(const Scene& scene) {
-    Open out;
-    for (const Surface& surface : scene.surfaces) {
-        std::vector<bool> open(surface.triangles.size(), surface.twoSided);
-        using Place = std::array<float, 3>;
-        std::map<std::array<Place, 3>, std::pair<size_t, bool>> seen;  // by sorted corners: a triangle, and whether sorting turned it
-        for (size_t t = 0; t < open.size() && !surface.twoSided; ++t) {
-            std::array<Place, 3> corners;
-            for (int k = 0; k < 3; ++k) {
-                const glm::vec3& p = surface.positions[surface.triangles[t][k]];
-                corners[k] = {p.x, p.y, p.z};
-            }
-            std::array<Place, 3> sorted = corners;
-            std::sort(sorted.begin(), sorted.end());
-            const auto first = std::find(corners.begin(), corners.end(), sorted[0]) - corners.begin();
-            const bool turned = corners[(first + 1) % 3] != sorted[1];
-            const auto [place, isNew] = seen.try_emplace(sorted, t, turned);
-            if (!isNew && place->second.second != turned) open[t] = open[place->second.first] = true;
-        }
-        out.push_back(std::move(open));
-    }
-    return out;
-}
-
 // Metres, the diagonal of the box about a scene's triangles.
-double sizeOf(const Scene& scene) {
+double diagonalOf(const Scene& scene) {
     dvec3 low(std::numeric_limits<double>::max()), high = -low;
     for (const Instance& instance : scene.instances) {
         const Surface& surface = scene.surfaces[instance.surface];
@@ -185,32 +157,11 @@ double sizeOf(const Scene& scene) {
     return glm::length(high - low);
 }
 
-// How many of a few rays from a point see the back of a face.
-int backsSeen(const Tracer& tracer, const Open& open, const SurfacePoint& point, double spin) {
-    static const std::vector<glm::vec3> probes = fibonacciHemisphere(kProbes);
-    const glm::mat3 frame = frameFromZ(point.normal, spin);
-    int backs = 0;
-    for (const glm::vec3& w : probes) {
-        const glm::vec3 direction = frame * w;
-        const std::optional<Hit> hit = tracer.nearest(rayOrigin(tracer, point), direction);
-        backs += hit && hit->back && !open[hit->surface][hit->triangle];
-    }
-    return backs;
-}
-
-// Whether the way from one point to another leads out through the back of a face. Faces are taken for the skins of
-// solids: a ground that goes on behind a one-sided wall counts as inside of it where its triangles cross it.
-bool comesOut(const Tracer& tracer, const Open& open, const SurfacePoint& from, const SurfacePoint& to) {
-    const dvec3 start = rayOrigin(tracer, from);
-    const std::optional<Hit> hit = tracer.nearest(start, glm::vec3(rayOrigin(tracer, to) - start));
-    return hit && hit->distance < 1 && hit->back && !open[hit->surface][hit->triangle];
-}
-
 // A vertex whose normal points behind all of its faces looks out on their side.
-dvec3 outward(const Mesh& mesh, size_t v, const Corner& corner, bool& against) {
+dvec3 outward(const Mesh& mesh, size_t v, const Corner& corner, bool& isBehind) {
     const auto [least, most] = mesh.cosines(v, mesh.normal(v));
-    against = corner.count > 0 && most < -1e-3 && glm::length(corner.faces) > 1e-6;
-    return against ? glm::normalize(corner.faces) : mesh.normal(v);
+    isBehind = corner.count > 0 && most < -1e-3 && glm::length(corner.faces) > 1e-6;
+    return isBehind ? glm::normalize(corner.faces) : mesh.normal(v);
 }
 
 // A rounding step above all of the vertex's faces and within them, less what rayOrigin adds along the normal.
@@ -238,10 +189,10 @@ std::vector<std::string> describe(const MeshIssues& d) {
     say("triangles of no area", d.degenerate, "they block nothing");
     say("vertices of no other triangles", d.withoutFaces, "baked along the normals they have");
     say("triangles wound against their surface's normals", d.inverted, "the normals are believed");
-    say("vertices with normals behind all of their faces", d.against, "baked on the faces' side");
+    say("vertices with normals behind all of their faces", d.normalsBehind, "baked on the faces' side");
     say("vertices inside other geometry", d.moved, "baked from the nearest point outside on their triangles");
     say("triangles longer than a twentieth of the scene", d.large, "shadows that fall within them are lost: subdivide them");
-    say("vertices that see backs of faces", d.buried, "baked as they are: right inside solids; where they show as dark spots, faces are one-sided or inside out");
+    say("vertices that see backs of faces", d.insideSolids, "baked as they are: right inside solids; where they show as dark spots, faces are one-sided or inside out");
     return out;
 }
 
@@ -249,8 +200,8 @@ VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progr
     VertexPoints out;
     MeshIssues sum;
     size_t all = 0;
-    const Open open = twoSided(scene);
-    const double large = kLarge * sizeOf(scene);
+    const Solids solids(scene, tracer);
+    const double large = kLarge * diagonalOf(scene);
     for (const Instance& instance : scene.instances) all += scene.surfaces[instance.surface].positions.size();
     ProgressCounter counter(progress, all);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
@@ -262,34 +213,34 @@ VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progr
         for (size_t v = 0; v < mesh.size(); ++v)
             if (mesh.used(v)) vertices.push_back(v);
         std::vector<SurfacePoint> points(vertices.size());
-        std::atomic<size_t> withoutFaces = 0, againstFaces = 0, moved = 0, buried = 0;
+        std::atomic<size_t> withoutFaces = 0, normalsBehind = 0, moved = 0, insideSolids = 0;
         tbb::parallel_for(tbb::blocked_range<size_t>(0, vertices.size(), 64), [&](const tbb::blocked_range<size_t>& range) {
             if (counter.stopped()) return;
             for (size_t k = range.begin(); k < range.end(); ++k) {
                 const size_t v = vertices[k];
                 const Corner corner = mesh.corner(v);
-                bool against = false;
-                const dvec3 normal = outward(mesh, v, corner, against);
-                againstFaces += against;
+                bool isBehind = false;
+                const dvec3 normal = outward(mesh, v, corner, isBehind);
+                normalsBehind += isBehind;
                 withoutFaces += corner.count == 0;
                 points[k] = nextTo(mesh, tracer, v, corner, normal);
                 const double spin = 6.283185307179586 * hashUnit(0, i, v);
-                const int backs = backsSeen(tracer, open, points[k], spin);
+                const int backs = solids.backsSeen(points[k], spin);
                 if (backs < kSuspicious) continue;
                 bool found = false;
                 for (const dvec3& other : mesh.others(v)) {
                     const SurfacePoint candidate{other, glm::vec3(normal), corner.longest};
-                    if (!comesOut(tracer, open, points[k], candidate) || backsSeen(tracer, open, candidate, spin) > kBetter * backs) continue;
+                    if (!solids.comesOut(points[k], candidate) || solids.backsSeen(candidate, spin) > kBetter * backs) continue;
                     points[k] = candidate;
                     found = true;
                     break;
                 }
-                ++(found ? moved : buried);
+                ++(found ? moved : insideSolids);
             }
             counter.add(range.size());
         });
         counter.throwIfStopped();
-        sum.withoutFaces += withoutFaces, sum.against += againstFaces, sum.moved += moved, sum.buried += buried;
+        sum.withoutFaces += withoutFaces, sum.normalsBehind += normalsBehind, sum.moved += moved, sum.insideSolids += insideSolids;
         for (size_t v : vertices) out.places.emplace_back(i, v);
         out.points.insert(out.points.end(), points.begin(), points.end());
     }

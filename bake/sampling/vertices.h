@@ -4,31 +4,19 @@
 #include <string>
 #include <vector>
 
-#include "bake/sampling/tracer.h"
+#include "bake/sampling/solids.h"
 
 namespace apertura {
-
-// A point of a surface and the hemisphere it looks into.
-struct SurfacePoint {
-    glm::dvec3 position;     // world, metres
-    glm::vec3 normal;        // unit
-    double longest = 1e300;  // metres, of the edges of the triangles that meet here; unknown: as long as the scene
-};
-
-// Where its rays start: above it by the tracer's offset.
-inline glm::dvec3 rayOrigin(const Tracer& tracer, const SurfacePoint& point) {
-    return point.position + tracer.offset(point.position, point.longest) * glm::dvec3(point.normal);
-}
 
 // What a scene leaves open, counted; and what was made of it.
 struct MeshIssues {
     size_t degenerate = 0;    // triangles of no area: they block nothing
     size_t withoutFaces = 0;  // vertices of those alone: they look along the normal that the file has, or +Y
     size_t inverted = 0;      // triangles wound against their vertices' normals: the normals are believed
-    size_t against = 0;       // vertices whose normal points behind all of their faces: they look out on the faces' side
+    size_t normalsBehind = 0; // vertices whose normal points behind all of their faces: they look out on the faces' side
     size_t moved = 0;         // vertices inside something else: they look from the nearest point of their triangles outside
     size_t large = 0;         // triangles longer than a twentieth of the scene: visibility is known at their corners alone
-    size_t buried = 0;        // vertices that see backs of faces, and no better from their triangles: they stay as they are
+    size_t insideSolids = 0;  // vertices that see backs of faces, and no better from their triangles: they stay as they are
 };
 
 // One line for each that is not nothing.

@@ -352,7 +352,7 @@ Asset readAsset(const std::string& path) { return toAsset(readGltf(path)); }
 
 const Model* storedModel(const BakeInfo& info) {
     const Model* model = findModel(info.model);
-    return model && (model->storedFields > 0 || model->id == MODEL_AUTO) ? model : nullptr;
+    return model && model->isStored() ? model : nullptr;
 }
 
 bool mayMix(const Model& model, bool stored) { return model.mixes && !(stored && model.fromVisibility); }
@@ -364,9 +364,9 @@ double bytesAPoint(const Asset& asset) {
         points += double(seen.visibility.size());
         if (!stored) continue;
         for (const ModelParams& params : seen.allParams)
-            numbers += storedNumbers(models()[size_t(chosenModel(stored->id, params))]);
+            numbers += storedNumbers(chosenModel(*stored, params));
     }
-    const double choice = stored && stored->id == MODEL_AUTO ? 1 : 0;
+    const double choice = stored && stored->kind == ModelKind::Choice ? 1 : 0;
     return asset.info.bits / 2.0 + choice + numbers / std::max(points, 1.0) * asset.info.bits / 8;
 }
 

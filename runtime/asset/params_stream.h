@@ -1,7 +1,7 @@
 #pragma once
 // What an asset stores beside _VISIBILITY: the parameters of one primitive's vertices as bytes, without gaps.
 //   a model of fixed size   its numbers, vertex after vertex
-//   auto                    a byte a vertex, the place of its choice in autoChoices, and 128 more where no model
+//   auto                    a byte a vertex, the autoTag of its choice, and 128 more where no model
 //                           came within the tolerance; then the numbers that each choice has, vertex after vertex
 // A number is a normalised signed byte or short (little-endian), as in _VISIBILITY.
 #include <cstddef>
@@ -13,10 +13,7 @@
 
 namespace apertura {
 
-// The models that `auto` chooses among, by the place that stands in the asset; the first three store nothing.
-std::span<const int> autoChoices();
-
-// Bytes of the forms, turned by `toLocal` into the frame of the primitive's vertices.
+// Bytes of the parameters, turned by `toLocal` into the frame of the primitive's vertices.
 std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelParams> allParams, const mat3& toLocal, int bits);
 
 // Parameters of `count` vertices, turned by `toWorld`. Throws Error with the cause (the caller names the file) where the bytes

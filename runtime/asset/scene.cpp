@@ -84,6 +84,39 @@ Camera viewOf(const Scene& scene) {
     return camera;
 }
 
+std::array<glm::dvec3, 3> cornersOf(const Scene& scene, int instance, int triangle) {
+    const Instance& placed = scene.instances[size_t(instance)];
+    const Surface& surface = scene.surfaces[size_t(placed.surface)];
+    std::array<glm::dvec3, 3> out;
+    for (size_t k = 0; k < 3; ++k) out[k] = worldPosition(placed, surface.positions[surface.triangles[size_t(triangle)][k]]);
+    return out;
+}
+
+SurfaceAt surfaceAt(const Scene& scene, int instance, int triangle, const glm::vec3& barycentrics) {
+    const Instance& placed = scene.instances[size_t(instance)];
+    const Surface& surface = scene.surfaces[size_t(placed.surface)];
+    const std::array<glm::dvec3, 3> c = cornersOf(scene, instance, triangle);
+    glm::vec3 sum(0), mean(0);
+    for (int k = 0; k < 3; ++k) {
+        const glm::vec3& normal = surface.normals[surface.triangles[size_t(triangle)][size_t(k)]];
+        sum += normal;
+        mean += barycentrics[k] * normal;
+    }
+    const glm::mat3 normals = normalMatrix(placed.toWorld);
+    SurfaceAt out{};
+    for (int k = 0; k < 3; ++k) out.position += double(barycentrics[k]) * c[size_t(k)];
+    out.longest = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
+    const glm::dvec3 cross = glm::cross(c[1] - c[0], c[2] - c[0]), side(normals * sum);
+    const double area = glm::length(cross);
+    // Normals that lie in the face say nothing of its side: its winding does.
+    const bool wound = glm::dot(cross, side) >= -1e-6 * area * glm::length(side);
+    if (area > 0) out.face = glm::vec3(cross / (wound ? area : -area));
+    const glm::vec3 turned = normals * mean;
+    const float length = glm::length(turned);
+    out.normal = length > 0 ? turned / length : out.face;
+    return out;
+}
+
 void makeNormals(Surface& surface) {
     std::vector<glm::dvec3> sums(surface.positions.size(), glm::dvec3(0));
     for (const auto& triangle : surface.triangles)

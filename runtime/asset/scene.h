@@ -58,6 +58,20 @@ glm::mat3 normalMatrix(const glm::mat4& m);
 // Where a point of the instance's surface lies: in double, as a small thing far from the origin needs.
 inline glm::dvec3 worldPosition(const Instance& instance, const glm::vec3& p) { return glm::dmat4(instance.toWorld) * glm::dvec4(p, 1); }
 
+// A point of a triangle in the world: what baking, truth and measuring mean by it.
+struct SurfaceAt {
+    glm::dvec3 position;  // metres
+    glm::vec3 face;       // unit: the triangle's own normal, on the side of its vertices' normals
+    glm::vec3 normal;     // unit: the vertices' normals, interpolated; `face` where they cancel
+    double longest;       // metres, the longest edge of the triangle
+};
+
+// `barycentrics`: weights of the triangle's corners, 0..1, their sum 1. A triangle of no area has a `face` of no length.
+SurfaceAt surfaceAt(const Scene& scene, int instance, int triangle, const glm::vec3& barycentrics);
+
+// The corners of a triangle, in metres in the world.
+std::array<glm::dvec3, 3> cornersOf(const Scene& scene, int instance, int triangle);
+
 Box worldBounds(const Scene& scene);
 size_t triangleCount(const Scene& scene);  // instances counted
 

@@ -1,0 +1,43 @@
+#pragma once
+// Points of surfaces, and whether they lie inside of something.
+#include <vector>
+
+#include "bake/sampling/tracer.h"
+
+namespace apertura {
+
+// A point of a surface and the hemisphere it looks into.
+struct SurfacePoint {
+    glm::dvec3 position;     // world, metres
+    glm::vec3 normal;        // unit
+    double longest = 1e300;  // metres, of the edges of the triangles that meet here; unknown: as long as the scene
+};
+
+// Where its rays start: above it by the tracer's offset.
+inline glm::dvec3 rayOrigin(const Tracer& tracer, const SurfacePoint& point) {
+    return point.position + tracer.offset(point.position, point.longest) * glm::dvec3(point.normal);
+}
+
+// Faces taken for the skins of solids: who sees the back of one is inside. Two-sided materials and triangles with a twin that
+// faces the other way are no skins. A ground that goes on behind a one-sided wall counts as inside of it.
+class Solids {
+public:
+    // Both must outlive it.
+    Solids(const Scene& scene, const Tracer& tracer);
+
+    static constexpr int kProbes = 16;
+    // How many of kProbes rays over the point's hemisphere, turned by `spin` radians, see the back of a face.
+    int backsSeen(const SurfacePoint& point, double spin) const;
+
+    // Whether the way from one point to another leads out through the back of a face.
+    bool comesOut(const SurfacePoint& from, const SurfacePoint& to) const;
+
+private:
+    bool isBack(const Hit& hit) const { return hit.back && !twoSided_[size_t(scene_.instances[size_t(hit.instance)].surface)][size_t(hit.triangle)]; }
+
+    const Scene& scene_;
+    const Tracer& tracer_;
+    std::vector<std::vector<bool>> twoSided_;  // triangles of each surface
+};
+
+}  // namespace apertura

@@ -1,0 +1,76 @@
+"""Adds two models to a copy of the sources, as README.md says, builds it, and shows that everything finds them.
+
+    add_model.py FOLDER     FOLDER: where the copy goes and is built; it is kept, so that a second run is short
+
+One is made from the four numbers: a cap whose opacity falls off linearly to its rim. The other is stored: one fitted cap.
+"""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+
+SOURCE = pathlib.Path(__file__).resolve().parent.parent
+
+
+def insert(path, before, text):
+    content = path.read_text()
+    if content.count(before) != 1:
+        sys.exit(f"{path}: '{before}' stands there {content.count(before)} times")
+    path.write_text(content.replace(before, text + before))
+
+
+def add(folder):
+    receiver = folder / "shaders/receiver.glsl"
+    count = int(receiver.read_text().split("MODEL_COUNT = ")[1].split(";")[0])
+    insert(receiver, "const int MODEL_COUNT", f"const int MODEL_FALLOFF = {count};\nconst int MODEL_MULTI_1 = {count + 1};\n")
+    receiver.write_text(receiver.read_text().replace(f"MODEL_COUNT = {count};", f"MODEL_COUNT = {count + 2};"))
+    models = folder / "shaders/models.glsl"
+    insert(models, "        default: break;\n    }\n    return e;", """\
+        case MODEL_FALLOFF: e = open * max(1.0f - capHeightTo(receiver.params[0], light) / max(receiver.params[0].w, 1e-6f), 0.0f); break;
+        case MODEL_MULTI_1: e = open * visibleFractionOfUnion(receiver, 1, light, lightClass); break;
+""")
+    insert(models, "// E of a cap light at the receiver, by the formula", """\
+APERTURA_FN float capHeightTo(vec4 aperture, CapLight light) { return 1.0f - dot(vec3(aperture), light.axis); }
+
+""")
+    table = folder / "sh/models.cpp"
+    insert(table, "};\nstatic_assert(std::size(kModels)", """\
+    {.id = MODEL_FALLOFF, .name = "falloff", .numbers = 3, .slots = 1, .mixes = true, .fromVisibility = oneCap, .what = "linear falloff"},
+    {.id = MODEL_MULTI_1, .name = "multi-1", .kind = Kind::Union, .parts = 1, .numbers = 3, .slots = 2, .stored = {Cap}, .what = "one aperture"},
+""")
+    insert(folder / "bake/fit/fit.cpp", '    {"auto", "fit"', """\
+    {"multi-1", "fit", MODEL_MULTI_1, -1, "one aperture", caps<1>},
+""")
+
+
+def main():
+    folder = pathlib.Path(sys.argv[1]).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=SOURCE, check=True, capture_output=True, text=True).stdout.split("\n"):
+        if name and (SOURCE / name).is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(SOURCE / name, folder / name)
+    add(folder)
+    build = folder / "build"
+    subprocess.run(["cmake", "-S", folder, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["ninja", "-C", build, "apertura", "tests"], check=True, stdout=subprocess.DEVNULL)
+    out = folder / "out"
+    out.mkdir(exist_ok=True)
+    run = lambda *words: subprocess.run([build / "tools/apertura", *words], check=True, capture_output=True, text=True).stdout
+    run("compare", "builtin:canyon", "--models", "falloff,multi-1", "--receivers", "60", "--json", out / "compare.json")
+    found = {row["model"] for row in json.loads((out / "compare.json").read_text())["rows"]}
+    assert found == {"falloff", "multi-1"}, found
+    run("bake", "builtin:canyon", "-o", out / "canyon.glb", "--rays", "64", "--model", "multi-1")
+    assert json.loads(run("info", out / "canyon.glb", "--json"))["model"] == "multi-1"
+    for model in ("falloff", "multi-1"):
+        run("render", out / "canyon.glb", "-o", out / f"{model}.png", "--size", "96x64", "--model", model)
+    run("chart", "builtin:canyon", "-o", out / "chart", "--models", "falloff,multi-1", "--receivers", "60")
+    csv = (out / "chart/models.csv").read_text() if (out / "chart/models.csv").exists() else "".join(p.read_text() for p in (out / "chart").glob("*.csv"))
+    assert "falloff" in csv and "multi-1" in csv
+    tests = "Models.*:Stability.*:GpuTest.*-*Auto*"
+    subprocess.run([build / "tests/tests", "--gtest_brief=1", f"--gtest_filter={tests}"], check=True)
+    print("a model of the four numbers and a stored one: found by compare, bake, info, render, chart and the tests that hold for every model")
+
+
+main()
