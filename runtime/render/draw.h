@@ -3,17 +3,24 @@
 #include <glm/glm.hpp>
 #include <span>
 
-#include "runtime/render/vulkan.h"
+#include "runtime/render/resources.h"
 
 namespace apertura {
 
-constexpr VkFormat kColourFormat = VK_FORMAT_R32G32B32A32_SFLOAT, kDepthFormat = VK_FORMAT_D32_SFLOAT;
+constexpr vk::Format kColourFormat = vk::Format::eR32G32B32A32Sfloat, kDepthFormat = vk::Format::eD32Sfloat;
 
-// A pipeline without vertex input: the greater depth wins. Without a colour image where `colour` is false.
-VkPipeline makePipeline(const Gpu& gpu, std::span<const VkPipelineShaderStageCreateInfo> stages, VkPipelineLayout layout, bool colour);
+// What a pass draws with: SPIR-V words, and the fragment shader's constants. Without a fragment shader it
+// draws depth alone.
+struct DrawShaders {
+    std::span<const uint32_t> vertex, fragment;
+    std::span<const int32_t> constants;
+};
+
+// A pipeline without vertex input: the greater depth wins.
+vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings);
 
 // Clears the images (depth to 0) and draws `vertices` vertices. `colour` may be null.
-void drawTriangles(VkCommandBuffer commands, const GpuImage* colour, const GpuImage& depth, VkExtent2D size, const glm::vec3& clear,
-                   VkPipeline pipeline, const GpuBindings& bindings, uint32_t vertices);
+void drawTriangles(vk::CommandBuffer commands, const GpuImage* colour, const GpuImage& depth, vk::Extent2D size, const glm::vec3& clear,
+                   vk::Pipeline pipeline, const GpuBindings& bindings, uint32_t vertices);
 
 }  // namespace apertura

@@ -14,36 +14,27 @@ namespace {
 
 constexpr uint32_t kTexels = 2048;  // a side
 
+// For the pass that shades; without the map, for the one that draws it.
+GpuBindings makeBindings(const Gpu& gpu, std::initializer_list<const GpuBuffer*> buffers, const GpuImage* map) {
+    constexpr vk::ShaderStageFlags both = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
+    constexpr vk::DescriptorType types[] = {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eStorageBuffer,
+                                            vk::DescriptorType::eStorageBuffer, vk::DescriptorType::eUniformBuffer};
+    std::vector<GpuBindings::Binding> slots;
+    for (const GpuBuffer* buffer : buffers) slots.push_back({types[slots.size()], both, buffer});
+    if (map) slots.push_back({vk::DescriptorType::eSampledImage, vk::ShaderStageFlagBits::eFragment, nullptr, map});
+    return {gpu, slots};
+}
+
 }  // namespace
 
 ShadowMap::ShadowMap(const Gpu& gpu, const GpuBuffer& frame, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds)
-    : gpu_(gpu),
-      bounds_(bounds),
-      map_(gpu, kTexels, kTexels, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_DEPTH_BIT) {
-    view_ = std::make_unique<GpuBuffer>(gpu, sizeof(ShadowView), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, GpuBuffer::Place::Host);
-    constexpr VkShaderStageFlags both = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-    const GpuBindings::Binding slots[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, both, &frame},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, both, &vertices},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, both, &indices},
-                                          {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, both, view_.get()},
-                                          {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr, &map_}};
-    bindings_ = std::make_unique<GpuBindings>(gpu, slots);
-    mapBindings_ = std::make_unique<GpuBindings>(gpu, std::span(slots).first(4));
-    const GpuShader sceneVertex(gpu, scene_vert), shadowVertex(gpu, shadow_vert), shadowFragment(gpu, shadow_frag);
-    auto stage = [](VkShaderStageFlagBits which, const GpuShader& shader) {
-        return VkPipelineShaderStageCreateInfo{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, which, shader.handle(), "main", nullptr};
-    };
-    const VkPipelineShaderStageCreateInfo drawing[] = {stage(VK_SHADER_STAGE_VERTEX_BIT, shadowVertex)};
-    const VkPipelineShaderStageCreateInfo shading[] = {stage(VK_SHADER_STAGE_VERTEX_BIT, sceneVertex),
-                                                       stage(VK_SHADER_STAGE_FRAGMENT_BIT, shadowFragment)};
-    mapping_ = makePipeline(gpu, drawing, mapBindings_->layout(), false);
-    shading_ = makePipeline(gpu, shading, bindings_->layout(), true);
-}
-
-ShadowMap::~ShadowMap() {
-    vkDestroyPipeline(gpu_.device(), mapping_, nullptr);
-    vkDestroyPipeline(gpu_.device(), shading_, nullptr);
-}
+    : bounds_(bounds),
+      map_(gpu, {kTexels, kTexels}, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eSampled, vk::ImageAspectFlagBits::eDepth),
+      view_(gpu, sizeof(ShadowView), vk::BufferUsageFlagBits::eUniformBuffer, GpuBuffer::Place::Host),
+      bindings_(makeBindings(gpu, {&frame, &vertices, &indices, &view_}, &map_)),
+      mapBindings_(makeBindings(gpu, {&frame, &vertices, &indices, &view_}, nullptr)),
+      mapping_(makePipeline(gpu, {.vertex = shadow_vert}, mapBindings_)),
+      shading_(makePipeline(gpu, {.vertex = scene_vert, .fragment = shadow_frag}, bindings_)) {}
 
 void ShadowMap::aim(const Light& light) {
     const vec3 towards(light.cap.axis), right = tangentTo(towards), up = cross(towards, right);
@@ -66,13 +57,13 @@ void ShadowMap::aim(const Light& light) {
     view.towards = vec4(towards, 1 / size.z);
     const float s = light.cap.sinRadius;
     view.shape = vec4(s / std::sqrt(std::max(1 - s * s, 1e-6f)), kTexels, std::max(size.x, size.y) / kTexels, 0);
-    std::memcpy(view_->data(), &view, sizeof view);
+    std::memcpy(view_.data(), &view, sizeof view);
 }
 
-void ShadowMap::draw(VkCommandBuffer commands, uint32_t vertices) const {
-    map_.transition(commands, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-    drawTriangles(commands, nullptr, map_, {kTexels, kTexels}, vec3(0), mapping_, *mapBindings_, vertices);
-    map_.transition(commands, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+void ShadowMap::draw(vk::CommandBuffer commands, uint32_t vertices) const {
+    map_.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eDepthAttachmentOptimal);
+    drawTriangles(commands, nullptr, map_, {kTexels, kTexels}, vec3(0), *mapping_, mapBindings_, vertices);
+    map_.transition(commands, vk::ImageLayout::eDepthAttachmentOptimal, vk::ImageLayout::eShaderReadOnlyOptimal);
 }
 
 }  // namespace apertura
