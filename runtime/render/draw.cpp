@@ -2,10 +2,10 @@
 
 namespace apertura {
 
-vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings) {
-    const bool colour = !shaders.fragment.empty();
+vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour) {
+    const bool shades = !shaders.fragment.empty();
     const vk::raii::ShaderModule vertex = makeShader(gpu, shaders.vertex);
-    const vk::raii::ShaderModule fragment = colour ? makeShader(gpu, shaders.fragment) : nullptr;
+    const vk::raii::ShaderModule fragment = shades ? makeShader(gpu, shaders.fragment) : nullptr;
     const Constants constants(shaders.constants);
     const vk::PipelineShaderStageCreateInfo stages[] = {
         {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
@@ -19,14 +19,14 @@ vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, cons
         .depthTestEnable = true, .depthWriteEnable = true, .depthCompareOp = vk::CompareOp::eGreater};
     using Channel = vk::ColorComponentFlagBits;
     const vk::PipelineColorBlendAttachmentState attachment{.colorWriteMask = Channel::eR | Channel::eG | Channel::eB | Channel::eA};
-    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = colour ? 1u : 0u, .pAttachments = &attachment};
+    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = shades ? 1u : 0u, .pAttachments = &attachment};
     const vk::DynamicState changing[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor};
     const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = uint32_t(std::size(changing)), .pDynamicStates = changing};
     const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = blend.attachmentCount,
-                                                    .pColorAttachmentFormats = &kColourFormat,
+                                                    .pColorAttachmentFormats = &colour,
                                                     .depthAttachmentFormat = kDepthFormat};
     return make<vk::raii::Pipeline>(gpu, nullptr, vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
-                                                                                 .stageCount = colour ? 2u : 1u,
+                                                                                 .stageCount = shades ? 2u : 1u,
                                                                                  .pStages = stages,
                                                                                  .pVertexInputState = &input,
                                                                                  .pInputAssemblyState = &assembly,
@@ -39,30 +39,52 @@ vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, cons
                                                                                  .layout = bindings.layout()});
 }
 
-void drawTriangles(vk::CommandBuffer commands, const GpuImage* colour, const GpuImage& depth, vk::Extent2D size, const glm::vec3& clear,
-                   vk::Pipeline pipeline, const GpuBindings& bindings, uint32_t vertices) {
-    const vk::RenderingAttachmentInfo target{.imageView = colour ? colour->view() : nullptr,
+void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, const DrawPass& pass, uint32_t vertices) {
+    const bool hasColour = target.colour;
+    const vk::RenderingAttachmentInfo colour{.imageView = target.colour,
                                              .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
                                              .loadOp = vk::AttachmentLoadOp::eClear,
                                              .storeOp = vk::AttachmentStoreOp::eStore,
                                              .clearValue = vk::ClearColorValue(std::array{clear.r, clear.g, clear.b, 1.0f})};
-    const vk::RenderingAttachmentInfo far{.imageView = depth.view(),
-                                          .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
-                                          .loadOp = vk::AttachmentLoadOp::eClear,
-                                          .storeOp = colour ? vk::AttachmentStoreOp::eDontCare : vk::AttachmentStoreOp::eStore,
-                                          .clearValue = vk::ClearDepthStencilValue{0, 0}};
-    const vk::Rect2D all{{0, 0}, size};
+    const vk::RenderingAttachmentInfo depth{.imageView = target.depth,
+                                            .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
+                                            .loadOp = vk::AttachmentLoadOp::eClear,
+                                            .storeOp = hasColour ? vk::AttachmentStoreOp::eDontCare : vk::AttachmentStoreOp::eStore,
+                                            .clearValue = vk::ClearDepthStencilValue{0, 0}};
+    const vk::Rect2D all{{0, 0}, {target.size.width, target.size.height}};
     commands.beginRendering({.renderArea = all,
                              .layerCount = 1,
-                             .colorAttachmentCount = colour ? 1u : 0u,
-                             .pColorAttachments = &target,
-                             .pDepthAttachment = &far});
-    commands.setViewport(0, vk::Viewport{0, 0, float(size.width), float(size.height), 0, 1});
+                             .colorAttachmentCount = hasColour ? 1u : 0u,
+                             .pColorAttachments = &colour,
+                             .pDepthAttachment = &depth});
+    commands.setViewport(0, vk::Viewport{0, 0, float(target.size.width), float(target.size.height), 0, 1});
     commands.setScissor(0, all);
-    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, pipeline);
-    bindings.bind(commands, vk::PipelineBindPoint::eGraphics);
+    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, pass.pipeline);
+    pass.bindings.bind(commands, vk::PipelineBindPoint::eGraphics, pass.offsets);
     commands.draw(vertices, 1, 0, 0);
     commands.endRendering();
+}
+
+Offscreen::Offscreen(const Gpu& gpu, vk::Extent2D size, vk::Format colour)
+    : size_(size),
+      format_(colour),
+      colour_(gpu, size, colour, vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eTransferSrc, vk::ImageAspectFlagBits::eColor),
+      depth_(gpu, size, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment, vk::ImageAspectFlagBits::eDepth),
+      result_(gpu, VkDeviceSize(size.width) * size.height * sizeof(glm::vec4), vk::BufferUsageFlagBits::eTransferDst, GpuBuffer::Place::Host) {}
+
+RenderTarget Offscreen::target() const { return {colour_.view(), VkFormat(format_), depth_.view(), size_}; }
+
+void Offscreen::begin(vk::CommandBuffer commands) const {
+    colour_.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eColorAttachmentOptimal);
+    depth_.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eDepthAttachmentOptimal);
+}
+
+void Offscreen::end(vk::CommandBuffer commands) const {
+    colour_.transition(commands, vk::ImageLayout::eColorAttachmentOptimal, vk::ImageLayout::eTransferSrcOptimal);
+    commands.copyImageToBuffer(colour_.handle(), vk::ImageLayout::eTransferSrcOptimal, result_.handle(),
+                               vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, 1},
+                                                   .imageExtent = {size_.width, size_.height, 1}});
+    letHostRead(commands, vk::PipelineStageFlagBits2::eCopy, vk::AccessFlagBits2::eTransferWrite);
 }
 
 }  // namespace apertura

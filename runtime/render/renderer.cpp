@@ -1,9 +1,9 @@
 #include "runtime/render/renderer.h"
 
 #include <cassert>
-#include <cstring>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "runtime/render/draw.h"
 #include "runtime/render/shadow_map.h"
@@ -12,6 +12,8 @@
 
 namespace apertura {
 namespace {
+
+constexpr VkFormat kPictureFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 std::vector<SceneVertex> toVertices(const Asset& asset, std::vector<uint32_t>& indices) {
     std::vector<SceneVertex> out;
@@ -73,33 +75,42 @@ struct Renderer::Parts {
         GpuBindings bindings;
     };
 
-    Parts(const Gpu& gpu_, const Asset& asset_, const std::vector<SceneVertex>& corners, const std::vector<uint32_t>& order)
+    Parts(const Gpu& gpu_, const Asset& asset_, int frames_, const std::vector<SceneVertex>& corners, const std::vector<uint32_t>& order)
         : gpu(gpu_),
           asset(asset_),
           box(worldBounds(asset_.scene)),
+          frames(frames_),
           indexCount(uint32_t(order.size())),
           vertices(uploadGeometry(gpu_, asset_, corners)),
           indices(uploadGeometry(gpu_, asset_, order)),
-          frame(gpu_, sizeof(Frame), vk::BufferUsageFlagBits::eUniformBuffer, GpuBuffer::Place::Host) {}
+          lit(gpu_, frames_ + 1) {}
 
     const AllParams& paramsOf(const Model& model);
-    vk::Pipeline pipeline(const Model& model, int lightClass, const GpuBindings& bindings);
-    Picture picture(const View& view, vk::Pipeline drawing, const GpuBindings& bindings, const ShadowMap* before);
+    void light(int frame, const View& view, VkExtent2D size) const;
+    Picture picture(const View& view, const std::function<void(VkCommandBuffer, const RenderTarget&)>& record) const;
 
     const Gpu& gpu;
     const Asset& asset;
     Box box;
+    int frames;  // and one more for what `draw` draws
     uint32_t indexCount;
-    GpuBuffer vertices, indices, frame;
+    GpuBuffer vertices, indices;
+    PerFrame<Frame> lit;
     std::optional<ShadowMap> shadow;
-    std::map<int, AllParams> allParams;                           // by model
-    std::map<std::pair<int, int>, vk::raii::Pipeline> pipelines;  // by model and class of lights
+    std::map<int, AllParams> allParams;                                     // by model
+    std::map<std::tuple<int, int, VkFormat>, vk::raii::Pipeline> pipelines;  // by model, class of lights and format
 };
 
-Renderer::Renderer(const Gpu& gpu, const Asset& asset) {
+int lightClassOf(const View& view) {
+    int out = LIGHTS_SUN;
+    for (const Light& light : view.lights) out = std::min(out, isSphere(light) ? LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
+    return out;
+}
+
+Renderer::Renderer(const Gpu& gpu, const Asset& asset, int frames) {
     std::vector<uint32_t> indices;
     const std::vector<SceneVertex> vertices = toVertices(asset, indices);
-    parts_ = std::make_unique<Parts>(gpu, asset, vertices, indices);
+    parts_ = std::make_unique<Parts>(gpu, asset, frames, vertices, indices);
 }
 
 Renderer::~Renderer() = default;
@@ -108,7 +119,7 @@ const Renderer::Parts::AllParams& Renderer::Parts::paramsOf(const Model& model) 
     if (const auto found = allParams.find(model.id); found != allParams.end()) return found->second;
     GpuBuffer buffer = uploadParams(gpu, asset, model);
     constexpr vk::ShaderStageFlags vertex = vk::ShaderStageFlagBits::eVertex, fragment = vk::ShaderStageFlagBits::eFragment;
-    const GpuBindings::Binding slots[] = {{vk::DescriptorType::eUniformBuffer, vertex | fragment, &frame},
+    const GpuBindings::Binding slots[] = {lit.binding(vertex | fragment),
                                           {vk::DescriptorType::eStorageBuffer, vertex | fragment, &vertices},
                                           {vk::DescriptorType::eStorageBuffer, vertex, &indices},
                                           {vk::DescriptorType::eStorageBuffer, fragment, &buffer}};
@@ -116,66 +127,73 @@ const Renderer::Parts::AllParams& Renderer::Parts::paramsOf(const Model& model) 
     return allParams.insert({model.id, AllParams{std::move(buffer), std::move(bindings)}}).first->second;
 }
 
-vk::Pipeline Renderer::Parts::pipeline(const Model& model, int lightClass, const GpuBindings& bindings) {
-    const std::pair key(model.id, lightClass);
-    if (!pipelines.contains(key)) {
-        const int32_t constants[] = {model.id, lightClass, model.slots, mayMix(model, storedModel(asset.info) == &model)};
-        pipelines.emplace(key, makePipeline(gpu, {scene_vert, scene_frag, constants}, bindings));
-    }
-    return *pipelines.at(key);
+void Renderer::Parts::light(int frame, const View& view, VkExtent2D size) const {
+    assert(frame >= 0 && frame <= frames);
+    assert(view.lights.size() <= size_t(MAX_LIGHTS));
+    const float nearest = std::max(1e-4f * glm::length(box.high - box.low), 1e-9f);
+    Frame out{};
+    out.toClip = clipTransform(view.camera, double(size.width) / size.height, nearest);
+    out.sky = vec4(view.sky, 0);
+    out.albedo = vec4(view.albedo, 0);
+    out.counts.x = int(view.lights.size());
+    std::copy(view.lights.begin(), view.lights.end(), out.lights);
+    lit.set(frame, out);
+}
+
+void Renderer::prepare(const Model& model, int lightClass, VkFormat format) {
+    const GpuBindings& bindings = parts_->paramsOf(model).bindings;
+    const std::tuple key(model.id, lightClass, format);
+    if (parts_->pipelines.contains(key)) return;
+    const int32_t constants[] = {model.id, lightClass, model.slots, mayMix(model, storedModel(parts_->asset.info) == &model)};
+    parts_->pipelines.emplace(key, makePipeline(parts_->gpu, {scene_vert, scene_frag, constants}, bindings, vk::Format(format)));
+}
+
+void Renderer::record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame) const {
+    const auto pipeline = parts_->pipelines.find({model.id, lightClassOf(view), target.format});
+    if (pipeline == parts_->pipelines.end())
+        throw Error("the renderer is not prepared for " + std::string(model.name) + " with these lights and this format");
+    parts_->light(frame, view, target.size);
+    const uint32_t offset = PerFrame<Frame>::offset(frame);
+    drawTriangles(commands, target, view.sky, {*pipeline->second, parts_->allParams.at(model.id).bindings, {&offset, 1}}, parts_->indexCount);
 }
 
 Picture Renderer::draw(const View& view, const Model& model) {
-    int lightClass = LIGHTS_SUN;
-    for (const Light& light : view.lights)
-        lightClass = std::min(lightClass, isSphere(light) ? LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
-    const GpuBindings& bindings = parts_->paramsOf(model).bindings;
-    return parts_->picture(view, parts_->pipeline(model, lightClass, bindings), bindings, nullptr);
+    prepare(model, lightClassOf(view), kPictureFormat);
+    return parts_->picture(view, [&](VkCommandBuffer commands, const RenderTarget& target) { record(commands, target, view, model, parts_->frames); });
+}
+
+void Renderer::prepareShadowMapped(VkFormat format) {
+    Parts& p = *parts_;
+    if (!p.shadow) p.shadow.emplace(p.gpu, p.lit, p.vertices, p.indices, p.box, p.frames + 1);
+    p.shadow->prepare(p.gpu, format);
+}
+
+void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const {
+    if (view.lights.size() != 1 || isSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
+    if (!parts_->shadow) throw Error("the shadow map is not prepared");
+    parts_->light(frame, view, target.size);
+    parts_->shadow->record(commands, target, view, frame, parts_->indexCount);
 }
 
 Picture Renderer::drawShadowMapped(const View& view) {
-    if (view.lights.size() != 1 || isSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
-    std::optional<ShadowMap>& shadow = parts_->shadow;
-    if (!shadow) shadow.emplace(parts_->gpu, parts_->frame, parts_->vertices, parts_->indices, parts_->box);
-    shadow->aim(view.lights[0]);
-    return parts_->picture(view, shadow->pipeline(), shadow->bindings(), &*shadow);
+    prepareShadowMapped(kPictureFormat);
+    return parts_->picture(view, [&](VkCommandBuffer commands, const RenderTarget& target) { recordShadowMapped(commands, target, view, parts_->frames); });
 }
 
-Picture Renderer::Parts::picture(const View& view, vk::Pipeline drawing, const GpuBindings& bindings, const ShadowMap* before) {
-    assert(view.lights.size() <= size_t(MAX_LIGHTS));
+Picture Renderer::Parts::picture(const View& view, const std::function<void(VkCommandBuffer, const RenderTarget&)>& record) const {
     const vk::Extent2D size{uint32_t(view.width) * 2, uint32_t(view.height) * 2};
     if (std::max(size.width, size.height) > gpu.largestImage())
         throw Error("Vulkan: " + gpu.name() + " draws pictures of at most " + std::to_string(gpu.largestImage() / 2)
                     + " pixels a side");
-    const float nearest = std::max(1e-4f * glm::length(box.high - box.low), 1e-9f);
-    Frame now{};
-    now.toClip = clipTransform(view.camera, double(view.width) / view.height, nearest);
-    now.sky = vec4(view.sky, 0);
-    now.albedo = vec4(view.albedo, 0);
-    now.counts.x = int(view.lights.size());
-    std::copy(view.lights.begin(), view.lights.end(), now.lights);
-    std::memcpy(frame.data(), &now, sizeof now);
-
-    const GpuImage colour(gpu, size, kColourFormat, vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eTransferSrc,
-                          vk::ImageAspectFlagBits::eColor);
-    const GpuImage depth(gpu, size, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment, vk::ImageAspectFlagBits::eDepth);
-    const size_t pixelCount = size_t(size.width) * size.height;
-    const GpuBuffer result(gpu, pixelCount * sizeof(vec4), vk::BufferUsageFlagBits::eTransferDst, GpuBuffer::Place::Host);
-    gpu.run([&](vk::CommandBuffer commands) {
-        using Layout = vk::ImageLayout;
-        if (before) before->draw(commands, indexCount);
-        colour.transition(commands, Layout::eUndefined, Layout::eColorAttachmentOptimal);
-        depth.transition(commands, Layout::eUndefined, Layout::eDepthAttachmentOptimal);
-        drawTriangles(commands, &colour, depth, size, view.sky, drawing, bindings, indexCount);
-        colour.transition(commands, Layout::eColorAttachmentOptimal, Layout::eTransferSrcOptimal);
-        commands.copyImageToBuffer(colour.handle(), Layout::eTransferSrcOptimal, result.handle(),
-                                   vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, 1},
-                                                       .imageExtent = {size.width, size.height, 1}});
-        letHostRead(commands, vk::PipelineStageFlagBits2::eCopy, vk::AccessFlagBits2::eTransferWrite);
+    const Offscreen images(gpu, size, vk::Format(kPictureFormat));
+    gpu.run([&](VkCommandBuffer commands) {
+        images.begin(commands);
+        record(commands, images.target());
+        images.end(commands);
     });
     Picture out{int(size.width), int(size.height), {}};
-    const auto* pixels = static_cast<const vec4*>(result.data());
-    out.pixels.assign(pixels, pixels + pixelCount);
+    const auto* pixels = static_cast<const vec4*>(images.pixels());
+    out.pixels.assign(pixels, pixels + size_t(size.width) * size.height);
     return halved(out);
 }
 

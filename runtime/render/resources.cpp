@@ -92,7 +92,7 @@ GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings) {
     const vk::DescriptorSetAllocateInfo one{.descriptorPool = *pool_, .descriptorSetCount = 1, .pSetLayouts = &*setLayout_};
     set_ = std::move(make<vk::raii::DescriptorSets>(gpu, one).front());
     for (uint32_t i = 0; i < bindings.size(); ++i) {
-        vk::DescriptorBufferInfo buffer{.range = VK_WHOLE_SIZE};
+        vk::DescriptorBufferInfo buffer{.range = bindings[i].range};
         vk::DescriptorImageInfo image{.imageLayout = vk::ImageLayout::eShaderReadOnlyOptimal};
         vk::WriteDescriptorSet write{.dstSet = *set_, .dstBinding = i, .descriptorCount = 1, .descriptorType = bindings[i].type};
         if (bindings[i].image) {
@@ -106,8 +106,8 @@ GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings) {
     }
 }
 
-void GpuBindings::bind(vk::CommandBuffer commands, vk::PipelineBindPoint point) const {
-    commands.bindDescriptorSets(point, *layout_, 0, *set_, nullptr);
+void GpuBindings::bind(vk::CommandBuffer commands, vk::PipelineBindPoint point, std::span<const uint32_t> offsets) const {
+    commands.bindDescriptorSets(point, *layout_, 0, 1, &*set_, uint32_t(offsets.size()), offsets.data());
 }
 
 Constants::Constants(std::span<const int32_t> values) {

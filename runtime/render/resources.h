@@ -4,6 +4,7 @@
 #define VULKAN_HPP_NO_STRUCT_CONSTRUCTORS  // structs are filled by their fields' names
 #include <vulkan/vulkan_raii.hpp>
 
+#include <cstring>
 #include <span>
 #include <string>
 #include <vector>
@@ -88,17 +89,37 @@ public:
         vk::ShaderStageFlags stages;
         const GpuBuffer* buffer;
         const GpuImage* image = nullptr;  // in SHADER_READ_ONLY_OPTIMAL, instead of a buffer
+        VkDeviceSize range = VK_WHOLE_SIZE;  // of the buffer, bytes
     };
     GpuBindings(const Gpu& gpu, std::span<const Binding> bindings);
 
     vk::PipelineLayout layout() const { return *layout_; }
-    void bind(vk::CommandBuffer commands, vk::PipelineBindPoint point) const;
+    // `offsets`, bytes: one for each dynamic buffer, in the order of the bindings.
+    void bind(vk::CommandBuffer commands, vk::PipelineBindPoint point, std::span<const uint32_t> offsets = {}) const;
 
 private:
     vk::raii::DescriptorSetLayout setLayout_ = nullptr;
     vk::raii::DescriptorPool pool_ = nullptr;
     vk::raii::DescriptorSet set_ = nullptr;
     vk::raii::PipelineLayout layout_ = nullptr;
+};
+
+// A T for each frame in flight: a uniform buffer that is bound at a frame's offset.
+template <class T>
+class PerFrame {
+public:
+    PerFrame(const Gpu& gpu, int frames)
+        : buffer_(gpu, VkDeviceSize(offset(frames)), vk::BufferUsageFlagBits::eUniformBuffer, GpuBuffer::Place::Host) {}
+
+    // In whole 256 bytes, the most that Vulkan lets a device ask for.
+    static uint32_t offset(int frame) { return uint32_t(frame) * ((sizeof(T) + 255) / 256 * 256); }
+    void set(int frame, const T& value) const { std::memcpy(static_cast<std::byte*>(buffer_.data()) + offset(frame), &value, sizeof value); }
+    GpuBindings::Binding binding(vk::ShaderStageFlags stages) const {
+        return {vk::DescriptorType::eUniformBufferDynamic, stages, &buffer_, nullptr, sizeof(T)};
+    }
+
+private:
+    GpuBuffer buffer_;
 };
 
 // The values of specialisation constants 0, 1, ...; `values` must outlive it.

@@ -1,5 +1,5 @@
 #pragma once
-// A Vulkan device without a window. Every call that fails throws Error naming the call.
+// A Vulkan device without a window, and where it draws. Every call that fails throws Error naming the call.
 #include <vulkan/vulkan.h>
 
 #include <cstdint>
@@ -42,6 +42,15 @@ private:
     double clockTick_ = 0;
     VkDeviceSize largestBuffer_ = 0;
     std::string name_;
+};
+
+// Images of one size, of a swapchain or others. Pixels hold linear radiance: for a display, a format that
+// encodes sRGB by itself.
+struct RenderTarget {
+    VkImageView colour;  // in COLOR_ATTACHMENT_OPTIMAL
+    VkFormat format;     // of `colour`
+    VkImageView depth;   // D32_SFLOAT, in DEPTH_ATTACHMENT_OPTIMAL; holds nothing before or after
+    VkExtent2D size;     // pixels
 };
 
 }  // namespace apertura
