@@ -2,77 +2,89 @@
 
 namespace apertura {
 
-VkPipeline makePipeline(const Gpu& gpu, std::span<const VkPipelineShaderStageCreateInfo> stages, VkPipelineLayout layout, bool colour) {
-    const VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
-    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
-    viewport.viewportCount = viewport.scissorCount = 1;
-    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
-    raster.lineWidth = 1;
-    VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
-    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
-    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-    depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
-    depth.depthCompareOp = VK_COMPARE_OP_GREATER;
-    VkPipelineColorBlendAttachmentState attachment{};
-    attachment.colorWriteMask = 0xF;
-    VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
-    blend.attachmentCount = colour ? 1 : 0;
-    blend.pAttachments = &attachment;
-    const VkDynamicState changing[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
-    dynamic.dynamicStateCount = uint32_t(std::size(changing));
-    dynamic.pDynamicStates = changing;
-    VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
-    rendering.colorAttachmentCount = blend.attachmentCount;
-    rendering.pColorAttachmentFormats = &kColourFormat;
-    rendering.depthAttachmentFormat = kDepthFormat;
-    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, &rendering};
-    info.stageCount = uint32_t(stages.size());
-    info.pStages = stages.data();
-    info.pVertexInputState = &input;
-    info.pInputAssemblyState = &assembly;
-    info.pViewportState = &viewport;
-    info.pRasterizationState = &raster;
-    info.pMultisampleState = &samples;
-    info.pDepthStencilState = &depth;
-    info.pColorBlendState = &blend;
-    info.pDynamicState = &dynamic;
-    info.layout = layout;
-    VkPipeline out = VK_NULL_HANDLE;
-    check(vkCreateGraphicsPipelines(gpu.device(), VK_NULL_HANDLE, 1, &info, nullptr, &out), "vkCreateGraphicsPipelines");
-    return out;
+vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour) {
+    const bool shades = !shaders.fragment.empty();
+    const vk::raii::ShaderModule vertex = makeShader(gpu, shaders.vertex);
+    const vk::raii::ShaderModule fragment = shades ? makeShader(gpu, shaders.fragment) : nullptr;
+    const Constants constants(shaders.constants);
+    const vk::PipelineShaderStageCreateInfo stages[] = {
+        {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
+        {.stage = vk::ShaderStageFlagBits::eFragment, .module = *fragment, .pName = "main", .pSpecializationInfo = &constants.info}};
+    const vk::PipelineVertexInputStateCreateInfo input{};
+    const vk::PipelineInputAssemblyStateCreateInfo assembly{.topology = vk::PrimitiveTopology::eTriangleList};
+    const vk::PipelineViewportStateCreateInfo viewport{.viewportCount = 1, .scissorCount = 1};
+    const vk::PipelineRasterizationStateCreateInfo raster{.lineWidth = 1};
+    const vk::PipelineMultisampleStateCreateInfo samples{.rasterizationSamples = vk::SampleCountFlagBits::e1};
+    const vk::PipelineDepthStencilStateCreateInfo depth{
+        .depthTestEnable = true, .depthWriteEnable = true, .depthCompareOp = vk::CompareOp::eGreater};
+    using Channel = vk::ColorComponentFlagBits;
+    const vk::PipelineColorBlendAttachmentState attachment{.colorWriteMask = Channel::eR | Channel::eG | Channel::eB | Channel::eA};
+    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = shades ? 1u : 0u, .pAttachments = &attachment};
+    const vk::DynamicState changing[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor};
+    const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = uint32_t(std::size(changing)), .pDynamicStates = changing};
+    const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = blend.attachmentCount,
+                                                    .pColorAttachmentFormats = &colour,
+                                                    .depthAttachmentFormat = kDepthFormat};
+    return make<vk::raii::Pipeline>(gpu, nullptr, vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
+                                                                                 .stageCount = shades ? 2u : 1u,
+                                                                                 .pStages = stages,
+                                                                                 .pVertexInputState = &input,
+                                                                                 .pInputAssemblyState = &assembly,
+                                                                                 .pViewportState = &viewport,
+                                                                                 .pRasterizationState = &raster,
+                                                                                 .pMultisampleState = &samples,
+                                                                                 .pDepthStencilState = &depth,
+                                                                                 .pColorBlendState = &blend,
+                                                                                 .pDynamicState = &dynamic,
+                                                                                 .layout = bindings.layout()});
 }
 
-void drawTriangles(VkCommandBuffer commands, const GpuImage* colour, const GpuImage& depth, VkExtent2D size, const glm::vec3& clear,
-                   VkPipeline pipeline, const GpuBindings& bindings, uint32_t vertices) {
-    VkRenderingAttachmentInfo target{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-    if (colour) target.imageView = colour->view();
-    target.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    target.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-    target.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    target.clearValue.color = {{clear.r, clear.g, clear.b, 1}};
-    VkRenderingAttachmentInfo far = target;
-    far.imageView = depth.view();
-    far.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
-    far.storeOp = colour ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE;
-    far.clearValue.depthStencil = {0, 0};
-    VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-    rendering.renderArea = {{0, 0}, size};
-    rendering.layerCount = 1;
-    rendering.colorAttachmentCount = colour ? 1 : 0;
-    rendering.pColorAttachments = &target;
-    rendering.pDepthAttachment = &far;
-    vkCmdBeginRendering(commands, &rendering);
-    const VkViewport viewport{0, 0, float(size.width), float(size.height), 0, 1};
-    vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
-    const VkDescriptorSet set = bindings.set();
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bindings.layout(), 0, 1, &set, 0, nullptr);
-    vkCmdDraw(commands, vertices, 1, 0, 0);
-    vkCmdEndRendering(commands);
+void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, const DrawPass& pass, uint32_t vertices) {
+    const bool hasColour = target.colour;
+    const vk::RenderingAttachmentInfo colour{.imageView = target.colour,
+                                             .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
+                                             .loadOp = vk::AttachmentLoadOp::eClear,
+                                             .storeOp = vk::AttachmentStoreOp::eStore,
+                                             .clearValue = vk::ClearColorValue(std::array{clear.r, clear.g, clear.b, 1.0f})};
+    const vk::RenderingAttachmentInfo depth{.imageView = target.depth,
+                                            .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
+                                            .loadOp = vk::AttachmentLoadOp::eClear,
+                                            .storeOp = hasColour ? vk::AttachmentStoreOp::eDontCare : vk::AttachmentStoreOp::eStore,
+                                            .clearValue = vk::ClearDepthStencilValue{0, 0}};
+    const vk::Rect2D all{{0, 0}, {target.size.width, target.size.height}};
+    commands.beginRendering({.renderArea = all,
+                             .layerCount = 1,
+                             .colorAttachmentCount = hasColour ? 1u : 0u,
+                             .pColorAttachments = &colour,
+                             .pDepthAttachment = &depth});
+    commands.setViewport(0, vk::Viewport{0, 0, float(target.size.width), float(target.size.height), 0, 1});
+    commands.setScissor(0, all);
+    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, pass.pipeline);
+    pass.bindings.bind(commands, vk::PipelineBindPoint::eGraphics, pass.offsets);
+    commands.draw(vertices, 1, 0, 0);
+    commands.endRendering();
+}
+
+Offscreen::Offscreen(const Gpu& gpu, vk::Extent2D size, vk::Format colour)
+    : size_(size),
+      format_(colour),
+      colour_(gpu, size, colour, vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eTransferSrc, vk::ImageAspectFlagBits::eColor),
+      depth_(gpu, size, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment, vk::ImageAspectFlagBits::eDepth),
+      result_(gpu, VkDeviceSize(size.width) * size.height * sizeof(glm::vec4), vk::BufferUsageFlagBits::eTransferDst, GpuBuffer::Place::Host) {}
+
+RenderTarget Offscreen::target() const { return {colour_.view(), VkFormat(format_), depth_.view(), size_}; }
+
+void Offscreen::begin(vk::CommandBuffer commands) const {
+    colour_.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eColorAttachmentOptimal);
+    depth_.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eDepthAttachmentOptimal);
+}
+
+void Offscreen::end(vk::CommandBuffer commands) const {
+    colour_.transition(commands, vk::ImageLayout::eColorAttachmentOptimal, vk::ImageLayout::eTransferSrcOptimal);
+    commands.copyImageToBuffer(colour_.handle(), vk::ImageLayout::eTransferSrcOptimal, result_.handle(),
+                               vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, 1},
+                                                   .imageExtent = {size_.width, size_.height, 1}});
+    letHostRead(commands, vk::PipelineStageFlagBits2::eCopy, vk::AccessFlagBits2::eTransferWrite);
 }
 
 }  // namespace apertura

@@ -1,16 +1,19 @@
 #include "runtime/render/renderer.h"
 
 #include <cassert>
-#include <array>
-#include <cstring>
+#include <map>
+#include <optional>
+#include <tuple>
 
 #include "runtime/render/draw.h"
-#include "runtime/asset/error.h"
+#include "runtime/render/shadow_map.h"
 #include "scene.frag.h"
 #include "scene.vert.h"
 
 namespace apertura {
 namespace {
+
+constexpr VkFormat kPictureFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 std::vector<SceneVertex> toVertices(const Asset& asset, std::vector<uint32_t>& indices) {
     std::vector<SceneVertex> out;
@@ -32,52 +35,17 @@ std::vector<SceneVertex> toVertices(const Asset& asset, std::vector<uint32_t>& i
     return out;
 }
 
-// A specialisation constant each, 0, 1, ...
-template <size_t N>
-struct Constants {
-    std::array<int32_t, N> values;
-    std::array<VkSpecializationMapEntry, N> entries;
-    VkSpecializationInfo info;
-    explicit Constants(const std::array<int32_t, N>& given) : values(given) {
-        for (uint32_t i = 0; i < N; ++i) entries[i] = {i, uint32_t(i * sizeof(int32_t)), sizeof(int32_t)};
-        info = {uint32_t(N), entries.data(), N * sizeof(int32_t), values.data()};
-    }
-};
-
-}  // namespace
-
-Renderer::Renderer(const Gpu& gpu, const Asset& asset) : gpu_(gpu), asset_(asset) {
-    std::vector<uint32_t> indices;
-    const std::vector<SceneVertex> vertices = toVertices(asset, indices);
-    indexCount_ = uint32_t(indices.size());
-    const Box box = worldBounds(asset.scene);
-    nearest_ = std::max(1e-4f * glm::length(box.high - box.low), 1e-9f);
-    if (std::max(vertices.size() * sizeof(SceneVertex), indices.size() * sizeof(uint32_t)) > gpu.largestBuffer())
-        throw Error(asset.scene.name + ": has too many vertices or triangles for " + gpu.name());
-    vertices_ = upload(gpu, std::as_bytes(std::span(vertices)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    indices_ = upload(gpu, std::as_bytes(std::span(indices)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    frame_ = std::make_unique<GpuBuffer>(gpu, sizeof(Frame), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, GpuBuffer::Place::Host);
-    vertexShader_ = std::make_unique<GpuShader>(gpu, scene_vert);
-    fragmentShader_ = std::make_unique<GpuShader>(gpu, scene_frag);
-}
-
-Renderer::~Renderer() {
-    for (const auto& [key, pipeline] : pipelines_) vkDestroyPipeline(gpu_.device(), pipeline, nullptr);
-}
-
-const Renderer::AllParams& Renderer::allParams(const Model& model) {
-    AllParams& out = allParams_[model.id];
-    if (out.bindings) return out;
-    const bool stored = storedModel(asset_.info) == &model;
+GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const Model& model) {
+    const bool stored = storedModel(asset.info) == &model;
     if (!stored && !model.fromVisibility)
-        throw Error(asset_.scene.name + ": was baked with --model " + asset_.info.model + " and does not hold "
+        throw Error(asset.scene.name + ": was baked with --model " + asset.info.model + " and does not hold "
                     + std::string(model.name) + "; bake it with --model " + std::string(model.name));
     std::vector<vec4> slots;
-    for (size_t i = 0; i < asset_.scene.instances.size() && model.slots > 0; ++i) {
-        const Instance& instance = asset_.scene.instances[i];
-        const Surface& surface = asset_.scene.surfaces[instance.surface];
+    for (size_t i = 0; i < asset.scene.instances.size() && model.slots > 0; ++i) {
+        const Instance& instance = asset.scene.instances[i];
+        const Surface& surface = asset.scene.surfaces[instance.surface];
         const glm::mat3 normals = normalMatrix(instance.toWorld);
-        const SeenByInstance& seen = asset_.seen[i];
+        const SeenByInstance& seen = asset.seen[i];
         for (size_t v = 0; v < surface.positions.size(); ++v) {
             const glm::vec3 n = normals * surface.normals[v];
             const float length = glm::length(n);
@@ -87,80 +55,145 @@ const Renderer::AllParams& Renderer::allParams(const Model& model) {
         }
     }
     if (slots.empty()) slots.emplace_back(0);  // a buffer cannot be empty
-    if (slots.size() * sizeof(vec4) > gpu_.largestBuffer())
-        throw Error(asset_.scene.name + ": the parameters of " + std::string(model.name) + " are too large for " + gpu_.name());
-    out.buffer = upload(gpu_, std::as_bytes(std::span(slots)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const GpuBindings::Binding bindings[] = {
-        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, frame_.get()},
-        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, vertices_.get()},
-        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_VERTEX_BIT, indices_.get()},
-        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT, out.buffer.get()}};
-    out.bindings = std::make_unique<GpuBindings>(gpu_, bindings);
+    if (slots.size() * sizeof(vec4) > gpu.largestBuffer())
+        throw Error(asset.scene.name + ": the parameters of " + std::string(model.name) + " are too large for " + gpu.name());
+    return upload(gpu, std::as_bytes(std::span(slots)), vk::BufferUsageFlagBits::eStorageBuffer);
+}
+
+template <class T>
+GpuBuffer uploadGeometry(const Gpu& gpu, const Asset& asset, const std::vector<T>& values) {
+    if (values.size() * sizeof(T) > gpu.largestBuffer())
+        throw Error(asset.scene.name + ": has too many vertices or triangles for " + gpu.name());
+    return upload(gpu, std::as_bytes(std::span(values)), vk::BufferUsageFlagBits::eStorageBuffer);
+}
+
+}  // namespace
+
+struct Renderer::Parts {
+    struct AllParams {
+        GpuBuffer buffer;
+        GpuBindings bindings;
+    };
+
+    Parts(const Gpu& gpu_, const Asset& asset_, int frames_, const std::vector<SceneVertex>& corners, const std::vector<uint32_t>& order)
+        : gpu(gpu_),
+          asset(asset_),
+          box(worldBounds(asset_.scene)),
+          frames(frames_),
+          indexCount(uint32_t(order.size())),
+          vertices(uploadGeometry(gpu_, asset_, corners)),
+          indices(uploadGeometry(gpu_, asset_, order)),
+          lit(gpu_, frames_ + 1) {}
+
+    const AllParams& paramsOf(const Model& model);
+    void light(int frame, const View& view, VkExtent2D size) const;
+    Picture picture(const View& view, const std::function<void(VkCommandBuffer, const RenderTarget&)>& record) const;
+
+    const Gpu& gpu;
+    const Asset& asset;
+    Box box;
+    int frames;  // and one more for what `draw` draws
+    uint32_t indexCount;
+    GpuBuffer vertices, indices;
+    PerFrame<Frame> lit;
+    std::optional<ShadowMap> shadow;
+    std::map<int, AllParams> allParams;                                     // by model
+    std::map<std::tuple<int, int, VkFormat>, vk::raii::Pipeline> pipelines;  // by model, class of lights and format
+};
+
+int lightClassOf(const View& view) {
+    int out = LIGHTS_SUN;
+    for (const Light& light : view.lights) out = std::min(out, isSphere(light) ? LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
     return out;
 }
 
-VkPipeline Renderer::pipeline(const Model& model, int lightClass, const GpuBindings& bindings) {
-    VkPipeline& out = pipelines_[{model.id, lightClass}];
-    if (out) return out;
-    const Constants<4> constants({model.id, lightClass, model.slots, mayMix(model, storedModel(asset_.info) == &model)});
-    const VkPipelineShaderStageCreateInfo stages[] = {
-        {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT,
-         vertexShader_->handle(), "main", nullptr},
-        {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT,
-         fragmentShader_->handle(), "main", &constants.info}};
-    out = makePipeline(gpu_, stages, bindings.layout(), true);
-    return out;
+Renderer::Renderer(const Gpu& gpu, const Asset& asset, int frames) {
+    std::vector<uint32_t> indices;
+    const std::vector<SceneVertex> vertices = toVertices(asset, indices);
+    parts_ = std::make_unique<Parts>(gpu, asset, frames, vertices, indices);
+}
+
+Renderer::~Renderer() = default;
+
+const Renderer::Parts::AllParams& Renderer::Parts::paramsOf(const Model& model) {
+    if (const auto found = allParams.find(model.id); found != allParams.end()) return found->second;
+    GpuBuffer buffer = uploadParams(gpu, asset, model);
+    constexpr vk::ShaderStageFlags vertex = vk::ShaderStageFlagBits::eVertex, fragment = vk::ShaderStageFlagBits::eFragment;
+    const GpuBindings::Binding slots[] = {lit.binding(vertex | fragment),
+                                          {vk::DescriptorType::eStorageBuffer, vertex | fragment, &vertices},
+                                          {vk::DescriptorType::eStorageBuffer, vertex, &indices},
+                                          {vk::DescriptorType::eStorageBuffer, fragment, &buffer}};
+    GpuBindings bindings(gpu, slots);
+    return allParams.insert({model.id, AllParams{std::move(buffer), std::move(bindings)}}).first->second;
+}
+
+void Renderer::Parts::light(int frame, const View& view, VkExtent2D size) const {
+    assert(frame >= 0 && frame <= frames);
+    assert(view.lights.size() <= size_t(MAX_LIGHTS));
+    const float nearest = std::max(1e-4f * glm::length(box.high - box.low), 1e-9f);
+    Frame out{};
+    out.toClip = clipTransform(view.camera, double(size.width) / size.height, nearest);
+    out.sky = vec4(view.sky, 0);
+    out.albedo = vec4(view.albedo, 0);
+    out.counts.x = int(view.lights.size());
+    std::copy(view.lights.begin(), view.lights.end(), out.lights);
+    lit.set(frame, out);
+}
+
+void Renderer::prepare(const Model& model, int lightClass, VkFormat format) {
+    const GpuBindings& bindings = parts_->paramsOf(model).bindings;
+    const std::tuple key(model.id, lightClass, format);
+    if (parts_->pipelines.contains(key)) return;
+    const int32_t constants[] = {model.id, lightClass, model.slots, mayMix(model, storedModel(parts_->asset.info) == &model)};
+    parts_->pipelines.emplace(key, makePipeline(parts_->gpu, {scene_vert, scene_frag, constants}, bindings, vk::Format(format)));
+}
+
+void Renderer::record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame) const {
+    const auto pipeline = parts_->pipelines.find({model.id, lightClassOf(view), target.format});
+    if (pipeline == parts_->pipelines.end())
+        throw Error("the renderer is not prepared for " + std::string(model.name) + " with these lights and this format");
+    parts_->light(frame, view, target.size);
+    const uint32_t offset = PerFrame<Frame>::offset(frame);
+    drawTriangles(commands, target, view.sky, {*pipeline->second, parts_->allParams.at(model.id).bindings, {&offset, 1}}, parts_->indexCount);
 }
 
 Picture Renderer::draw(const View& view, const Model& model) {
-    int lightClass = LIGHTS_SUN;
-    for (const Light& light : view.lights)
-        lightClass = std::min(lightClass, isSphere(light) ? LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
-    const GpuBindings& bindings = *allParams(model).bindings;
-    return picture(view, pipeline(model, lightClass, bindings), bindings, {});
+    prepare(model, lightClassOf(view), kPictureFormat);
+    return parts_->picture(view, [&](VkCommandBuffer commands, const RenderTarget& target) { record(commands, target, view, model, parts_->frames); });
+}
+
+void Renderer::prepareShadowMapped(VkFormat format) {
+    Parts& p = *parts_;
+    if (!p.shadow) p.shadow.emplace(p.gpu, p.lit, p.vertices, p.indices, p.box, p.frames + 1);
+    p.shadow->prepare(p.gpu, format);
+}
+
+void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const {
+    if (view.lights.size() != 1 || isSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
+    if (!parts_->shadow) throw Error("the shadow map is not prepared");
+    parts_->light(frame, view, target.size);
+    parts_->shadow->record(commands, target, view, frame, parts_->indexCount);
 }
 
 Picture Renderer::drawShadowMapped(const View& view) {
-    if (view.lights.size() != 1 || isSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
-    if (!shadow_) shadow_ = std::make_unique<ShadowMap>(gpu_, *frame_, *vertices_, *indices_, worldBounds(asset_.scene));
-    shadow_->aim(view.lights[0]);
-    return picture(view, shadow_->pipeline(), shadow_->bindings(), [&](VkCommandBuffer commands) { shadow_->draw(commands, indexCount_); });
+    prepareShadowMapped(kPictureFormat);
+    return parts_->picture(view, [&](VkCommandBuffer commands, const RenderTarget& target) { recordShadowMapped(commands, target, view, parts_->frames); });
 }
 
-Picture Renderer::picture(const View& view, VkPipeline drawing, const GpuBindings& bindings, const std::function<void(VkCommandBuffer)>& before) {
-    assert(view.lights.size() <= size_t(MAX_LIGHTS));
-    const auto width = uint32_t(view.width) * 2, height = uint32_t(view.height) * 2;
-    if (std::max(width, height) > gpu_.largestImage())
-        throw Error("Vulkan: " + gpu_.name() + " draws pictures of at most " + std::to_string(gpu_.largestImage() / 2)
+Picture Renderer::Parts::picture(const View& view, const std::function<void(VkCommandBuffer, const RenderTarget&)>& record) const {
+    const vk::Extent2D size{uint32_t(view.width) * 2, uint32_t(view.height) * 2};
+    if (std::max(size.width, size.height) > gpu.largestImage())
+        throw Error("Vulkan: " + gpu.name() + " draws pictures of at most " + std::to_string(gpu.largestImage() / 2)
                     + " pixels a side");
-    Frame frame{};
-    frame.toClip = clipTransform(view.camera, double(view.width) / view.height, nearest_);
-    frame.sky = vec4(view.sky, 0);
-    frame.albedo = vec4(view.albedo, 0);
-    frame.counts.x = int(view.lights.size());
-    std::copy(view.lights.begin(), view.lights.end(), frame.lights);
-    std::memcpy(frame_->data(), &frame, sizeof frame);
-
-    const GpuImage colour(gpu_, width, height, kColourFormat,
-                          VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
-    const GpuImage depth(gpu_, width, height, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
-    const GpuBuffer result(gpu_, VkDeviceSize(width) * height * sizeof(vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                           GpuBuffer::Place::Host);
-    gpu_.run([&](VkCommandBuffer commands) {
-        if (before) before(commands);
-        colour.transition(commands, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-        depth.transition(commands, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-        drawTriangles(commands, &colour, depth, {width, height}, view.sky, drawing, bindings, indexCount_);
-        colour.transition(commands, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-        VkBufferImageCopy all{};
-        all.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        all.imageExtent = {width, height, 1};
-        vkCmdCopyImageToBuffer(commands, colour.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, result.handle(), 1, &all);
-        letHostRead(commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    const Offscreen images(gpu, size, vk::Format(kPictureFormat));
+    gpu.run([&](VkCommandBuffer commands) {
+        images.begin(commands);
+        record(commands, images.target());
+        images.end(commands);
     });
-    Picture out{int(width), int(height), {}};
-    const auto* pixels = static_cast<const vec4*>(result.data());
-    out.pixels.assign(pixels, pixels + size_t(width) * height);
+    Picture out{int(size.width), int(size.height), {}};
+    const auto* pixels = static_cast<const vec4*>(images.pixels());
+    out.pixels.assign(pixels, pixels + size_t(size.width) * size.height);
     return halved(out);
 }
 

@@ -1,53 +1,55 @@
 #pragma once
-// Draws a baked scene off-screen with Vulkan.
-#include <map>
+// Draws a baked scene with Vulkan, off-screen or to a target of the caller's.
 #include <memory>
+#include <span>
 
 #include "runtime/asset/asset.h"
 #include "runtime/asset/picture.h"
-#include "runtime/render/shadow_map.h"
 #include "runtime/asset/view.h"
 #include "runtime/render/vulkan.h"
 #include "sh/models.h"
 
 namespace apertura {
 
+// The formulas that the lights of a view need: LIGHTS_...
+int lightClassOf(const View& view);
+
 class Renderer {
 public:
-    // Uploads the geometry, once. `gpu` and `asset` must outlive it.
-    Renderer(const Gpu& gpu, const Asset& asset);
+    // Uploads the geometry, once. `gpu` and `asset` must outlive it. `frames`: how many may be recorded whose
+    // commands the device has not finished.
+    Renderer(const Gpu& gpu, const Asset& asset, int frames = 2);
     ~Renderer();
 
-    // The scene through one model: made from the four numbers, or the one that the asset stores. A model's
-    // parameters are uploaded and its pipeline made, from the one shader, when it is first asked for. Throws Error
-    // where the asset does not hold the model, or the picture or the parameters are too large for the device.
+    // Uploads the parameters of a model (made from the four numbers, or the one that the asset stores) and makes
+    // its pipeline, from the one shader, for lights of a class and targets of a format; what is there already it
+    // leaves. Takes up to seconds, and the device's queue: on another thread than the one that records or
+    // submits only while that one does neither. Throws Error where the asset does not hold the model, or its
+    // parameters are too large for the device.
+    void prepare(const Model& model, int lightClass, VkFormat format);
+
+    // Clears the target to the sky and draws the scene over it. Allocates nothing, waits for nothing and compiles
+    // nothing; the view's width and height do not matter. `frame`, 0 .. frames - 1: the device must have finished
+    // what was recorded with that number before. All frames run on one queue. Throws Error unless the model is
+    // prepared for lightClassOf(view) and the target's format.
+    void record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame) const;
+
+    // The scene through one model, off-screen. Prepares what is missing. Throws Error as `prepare` does, or where
+    // the picture is too large for the device.
     Picture draw(const View& view, const Model& model);
 
-    // The baseline: N.L, a shadow map of 2048 texels a side and percentage-closer soft shadows; no occlusion
-    // of the sky. Throws Error unless there is one light, from a direction.
+    // The same three of the baseline: N.L, a shadow map of 2048 texels a side and percentage-closer soft shadows;
+    // no occlusion of the sky. They draw views with one light, from a direction, and throw Error at others.
+    void prepareShadowMapped(VkFormat format);
+    void recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const;
     Picture drawShadowMapped(const View& view);
 
 private:
-    struct AllParams {
-        std::unique_ptr<GpuBuffer> buffer;
-        std::unique_ptr<GpuBindings> bindings;
-    };
-    const AllParams& allParams(const Model& model);
-    VkPipeline pipeline(const Model& model, int lightClass, const GpuBindings& bindings);
-    Picture picture(const View& view, VkPipeline drawing, const GpuBindings& bindings, const std::function<void(VkCommandBuffer)>& before);
-
-    const Gpu& gpu_;
-    const Asset& asset_;
-    float nearest_;
-    uint32_t indexCount_ = 0;
-    std::unique_ptr<GpuBuffer> vertices_, indices_, frame_;
-    std::unique_ptr<GpuShader> vertexShader_, fragmentShader_;
-    std::unique_ptr<ShadowMap> shadow_;
-    std::map<int, AllParams> allParams_;                           // by model
-    std::map<std::pair<int, int>, VkPipeline> pipelines_;  // by model and class of lights
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
 };
 
-// irradianceThrough and skyIrradiance (x, y) of a model on the device, for each of `inputs`; `size` LIGHTS_... With `half` in
+// irradianceThrough and skyIrradiance (x, y) of a model on the device, for each of `inputs`; `lightClass` LIGHTS_... With `half` in
 // 16-bit floats, for a device that offers them.
 std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int lightClass, std::span<const Evaluation> inputs, bool half = false);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "runtime/render/draw.h"
 #include "scene.vert.h"
@@ -14,43 +13,23 @@ namespace {
 
 constexpr uint32_t kTexels = 2048;  // a side
 
-}  // namespace
+constexpr vk::ShaderStageFlags kBoth = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
 
-ShadowMap::ShadowMap(const Gpu& gpu, const GpuBuffer& frame, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds)
-    : gpu_(gpu),
-      bounds_(bounds),
-      map_(gpu, kTexels, kTexels, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_DEPTH_BIT) {
-    view_ = std::make_unique<GpuBuffer>(gpu, sizeof(ShadowView), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, GpuBuffer::Place::Host);
-    constexpr VkShaderStageFlags both = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-    const GpuBindings::Binding slots[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, both, &frame},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, both, &vertices},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, both, &indices},
-                                          {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, both, view_.get()},
-                                          {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr, &map_}};
-    bindings_ = std::make_unique<GpuBindings>(gpu, slots);
-    mapBindings_ = std::make_unique<GpuBindings>(gpu, std::span(slots).first(4));
-    const GpuShader sceneVertex(gpu, scene_vert), shadowVertex(gpu, shadow_vert), shadowFragment(gpu, shadow_frag);
-    auto stage = [](VkShaderStageFlagBits which, const GpuShader& shader) {
-        return VkPipelineShaderStageCreateInfo{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, which, shader.handle(), "main", nullptr};
-    };
-    const VkPipelineShaderStageCreateInfo drawing[] = {stage(VK_SHADER_STAGE_VERTEX_BIT, shadowVertex)};
-    const VkPipelineShaderStageCreateInfo shading[] = {stage(VK_SHADER_STAGE_VERTEX_BIT, sceneVertex),
-                                                       stage(VK_SHADER_STAGE_FRAGMENT_BIT, shadowFragment)};
-    mapping_ = makePipeline(gpu, drawing, mapBindings_->layout(), false);
-    shading_ = makePipeline(gpu, shading, bindings_->layout(), true);
+// What both passes read; the one that shades reads `map`, too.
+GpuBindings makeBindings(const Gpu& gpu, std::initializer_list<GpuBindings::Binding> shared, const GpuImage* map) {
+    std::vector<GpuBindings::Binding> all(shared);
+    if (map) all.push_back({vk::DescriptorType::eSampledImage, vk::ShaderStageFlagBits::eFragment, nullptr, map});
+    return {gpu, all};
 }
 
-ShadowMap::~ShadowMap() {
-    vkDestroyPipeline(gpu_.device(), mapping_, nullptr);
-    vkDestroyPipeline(gpu_.device(), shading_, nullptr);
-}
+GpuBindings::Binding storage(const GpuBuffer& buffer) { return {vk::DescriptorType::eStorageBuffer, kBoth, &buffer}; }
 
-void ShadowMap::aim(const Light& light) {
+ShadowView seenFrom(const Light& light, const Box& bounds) {
     const vec3 towards(light.cap.axis), right = tangentTo(towards), up = cross(towards, right);
     vec3 low(1e30f), high(-1e30f);
     for (int corner = 0; corner < 8; ++corner) {
-        const vec3 p(corner & 1 ? bounds_.high.x : bounds_.low.x, corner & 2 ? bounds_.high.y : bounds_.low.y,
-                     corner & 4 ? bounds_.high.z : bounds_.low.z);
+        const vec3 p(corner & 1 ? bounds.high.x : bounds.low.x, corner & 2 ? bounds.high.y : bounds.low.y,
+                     corner & 4 ? bounds.high.z : bounds.low.z);
         const vec3 seen(dot(p, right), dot(p, up), dot(p, towards));
         low = glm::min(low, seen);
         high = glm::max(high, seen);
@@ -66,13 +45,35 @@ void ShadowMap::aim(const Light& light) {
     view.towards = vec4(towards, 1 / size.z);
     const float s = light.cap.sinRadius;
     view.shape = vec4(s / std::sqrt(std::max(1 - s * s, 1e-6f)), kTexels, std::max(size.x, size.y) / kTexels, 0);
-    std::memcpy(view_->data(), &view, sizeof view);
+    return view;
 }
 
-void ShadowMap::draw(VkCommandBuffer commands, uint32_t vertices) const {
-    map_.transition(commands, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-    drawTriangles(commands, nullptr, map_, {kTexels, kTexels}, vec3(0), mapping_, *mapBindings_, vertices);
-    map_.transition(commands, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}  // namespace
+
+ShadowMap::ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds, int frames)
+    : bounds_(bounds),
+      map_(gpu, {kTexels, kTexels}, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eSampled, vk::ImageAspectFlagBits::eDepth),
+      seen_(gpu, frames),
+      bindings_(makeBindings(gpu, {lit.binding(kBoth), storage(vertices), storage(indices), seen_.binding(kBoth)}, &map_)),
+      mapBindings_(makeBindings(gpu, {lit.binding(kBoth), storage(vertices), storage(indices), seen_.binding(kBoth)}, nullptr)),
+      mapping_(makePipeline(gpu, {.vertex = shadow_vert}, mapBindings_, vk::Format::eUndefined)) {}
+
+void ShadowMap::prepare(const Gpu& gpu, VkFormat format) {
+    if (!shading_.contains(format))
+        shading_.emplace(format, makePipeline(gpu, {.vertex = scene_vert, .fragment = shadow_frag}, bindings_, vk::Format(format)));
+}
+
+void ShadowMap::record(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame, uint32_t vertices) const {
+    const auto shading = shading_.find(target.format);
+    if (shading == shading_.end()) throw Error("the shadow map is not prepared for this format");
+    seen_.set(frame, seenFrom(view.lights[0], bounds_));
+    const uint32_t offsets[] = {PerFrame<Frame>::offset(frame), PerFrame<ShadowView>::offset(frame)};
+    // The map is one for all frames: the barrier waits until the last of them has read it.
+    map_.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eDepthAttachmentOptimal);
+    const RenderTarget map{.depth = map_.view(), .size = {kTexels, kTexels}};
+    drawTriangles(commands, map, vec3(0), {*mapping_, mapBindings_, offsets}, vertices);
+    map_.transition(commands, vk::ImageLayout::eDepthAttachmentOptimal, vk::ImageLayout::eShaderReadOnlyOptimal);
+    drawTriangles(commands, target, view.sky, {*shading->second, bindings_, offsets}, vertices);
 }
 
 }  // namespace apertura

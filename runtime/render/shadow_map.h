@@ -1,33 +1,29 @@
 #pragma once
 // The baseline that a user would otherwise pick: a shadow map with percentage-closer soft shadows.
-#include <memory>
+#include <map>
 
-#include "runtime/asset/scene.h"
-#include "runtime/render/vulkan.h"
-#include "sh/shading.h"
+#include "runtime/asset/view.h"
+#include "runtime/render/resources.h"
 
 namespace apertura {
 
 class ShadowMap {
 public:
-    // Of the renderer's buffers, which must outlive it; `bounds` is the scene's, metres.
-    ShadowMap(const Gpu& gpu, const GpuBuffer& frame, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds);
-    ~ShadowMap();
+    // Over the renderer's buffers, which must outlive it; `bounds` is the scene's, metres.
+    ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds, int frames);
 
-    // From this light (of a direction) the next map is drawn.
-    void aim(const Light& light);
-    void draw(VkCommandBuffer commands, uint32_t vertices) const;
-    // What shades the scene with it.
-    VkPipeline pipeline() const { return shading_; }
-    const GpuBindings& bindings() const { return *bindings_; }
+    // Makes the pipeline for targets of this format.
+    void prepare(const Gpu& gpu, VkFormat format);
+    // Draws the map of the view's one light, from a direction, and what it shades. Throws Error if not prepared.
+    void record(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame, uint32_t vertices) const;
 
 private:
-    const Gpu& gpu_;
     Box bounds_;
     GpuImage map_;
-    std::unique_ptr<GpuBuffer> view_;
-    std::unique_ptr<GpuBindings> bindings_, mapBindings_;
-    VkPipeline mapping_ = VK_NULL_HANDLE, shading_ = VK_NULL_HANDLE;
+    PerFrame<ShadowView> seen_;
+    GpuBindings bindings_, mapBindings_;
+    vk::raii::Pipeline mapping_;
+    std::map<VkFormat, vk::raii::Pipeline> shading_;
 };
 
 }  // namespace apertura

@@ -1,0 +1,138 @@
+#pragma once
+// What a Gpu holds, and what is made on it: each owns its Vulkan handles. `make` and `checked` turn a failed
+// call into Error. Only those include it who work with handles: vulkan_raii.hpp takes seconds to compile.
+#define VULKAN_HPP_NO_STRUCT_CONSTRUCTORS  // structs are filled by their fields' names
+#include <vulkan/vulkan_raii.hpp>
+
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/asset/error.h"
+#include "runtime/render/vulkan.h"
+
+namespace apertura {
+
+// Destroyed from the last to the first. `messages` stays where it is: the messenger writes there.
+struct GpuHandles {
+    std::vector<std::string> messages;
+    vk::raii::Context context;
+    vk::raii::Instance instance = nullptr;
+    vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
+    vk::raii::PhysicalDevice physical = nullptr;
+    vk::raii::Device device = nullptr;
+    vk::raii::Queue queue = nullptr;
+    vk::raii::CommandPool pool = nullptr;
+};
+
+// What `call` returns.
+template <class Call>
+auto checked(const Call& call) {
+    try {
+        return call();
+    } catch (const vk::SystemError& e) {
+        throw Error(std::string("Vulkan: ") + e.what());
+    }
+}
+
+// A new handle of the device, from what its constructor takes beside.
+template <class Handle, class... Arguments>
+Handle make(const Gpu& gpu, const Arguments&... arguments) {
+    return checked([&] { return Handle(gpu.handles().device, arguments...); });
+}
+
+// A buffer with memory of its own.
+class GpuBuffer {
+public:
+    enum class Place { Device, Host };
+    GpuBuffer(const Gpu& gpu, VkDeviceSize bytes, vk::BufferUsageFlags usage, Place place);
+
+    vk::Buffer handle() const { return *buffer_; }
+    void* data() const { return mapped_; }  // Host only; coherent
+
+private:
+    vk::raii::DeviceMemory memory_ = nullptr;
+    vk::raii::Buffer buffer_;
+    void* mapped_ = nullptr;
+};
+
+// A buffer in device memory that holds `bytes`.
+GpuBuffer upload(const Gpu& gpu, std::span<const std::byte> bytes, vk::BufferUsageFlags usage);
+
+// A two-dimensional image with one view and memory of its own.
+class GpuImage {
+public:
+    GpuImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, vk::ImageUsageFlags usage, vk::ImageAspectFlags aspect);
+
+    vk::Image handle() const { return *image_; }
+    vk::ImageView view() const { return *view_; }
+    // Moves it between layouts, with a full barrier.
+    void transition(vk::CommandBuffer commands, vk::ImageLayout from, vk::ImageLayout to) const;
+
+private:
+    vk::raii::DeviceMemory memory_ = nullptr;
+    vk::raii::Image image_;
+    vk::raii::ImageView view_ = nullptr;
+    vk::ImageAspectFlags aspect_;
+};
+
+// Makes what `stage` wrote with `access` visible to the host once the commands have run.
+void letHostRead(vk::CommandBuffer commands, vk::PipelineStageFlags2 stage, vk::AccessFlags2 access);
+
+// One descriptor set of buffers, bindings 0, 1, ..., and a pipeline layout for it. Where a buffer is null
+// there is the layout alone, to compile for.
+class GpuBindings {
+public:
+    struct Binding {
+        vk::DescriptorType type;
+        vk::ShaderStageFlags stages;
+        const GpuBuffer* buffer;
+        const GpuImage* image = nullptr;  // in SHADER_READ_ONLY_OPTIMAL, instead of a buffer
+        VkDeviceSize range = VK_WHOLE_SIZE;  // of the buffer, bytes
+    };
+    GpuBindings(const Gpu& gpu, std::span<const Binding> bindings);
+
+    vk::PipelineLayout layout() const { return *layout_; }
+    // `offsets`, bytes: one for each dynamic buffer, in the order of the bindings.
+    void bind(vk::CommandBuffer commands, vk::PipelineBindPoint point, std::span<const uint32_t> offsets = {}) const;
+
+private:
+    vk::raii::DescriptorSetLayout setLayout_ = nullptr;
+    vk::raii::DescriptorPool pool_ = nullptr;
+    vk::raii::DescriptorSet set_ = nullptr;
+    vk::raii::PipelineLayout layout_ = nullptr;
+};
+
+// A T for each frame in flight: a uniform buffer that is bound at a frame's offset.
+template <class T>
+class PerFrame {
+public:
+    PerFrame(const Gpu& gpu, int frames)
+        : buffer_(gpu, VkDeviceSize(offset(frames)), vk::BufferUsageFlagBits::eUniformBuffer, GpuBuffer::Place::Host) {}
+
+    // In whole 256 bytes, the most that Vulkan lets a device ask for.
+    static uint32_t offset(int frame) { return uint32_t(frame) * ((sizeof(T) + 255) / 256 * 256); }
+    void set(int frame, const T& value) const { std::memcpy(static_cast<std::byte*>(buffer_.data()) + offset(frame), &value, sizeof value); }
+    GpuBindings::Binding binding(vk::ShaderStageFlags stages) const {
+        return {vk::DescriptorType::eUniformBufferDynamic, stages, &buffer_, nullptr, sizeof(T)};
+    }
+
+private:
+    GpuBuffer buffer_;
+};
+
+// The values of specialisation constants 0, 1, ...; `values` must outlive it.
+struct Constants {
+    explicit Constants(std::span<const int32_t> values);
+    Constants(const Constants&) = delete;
+    std::vector<vk::SpecializationMapEntry> entries;
+    vk::SpecializationInfo info;
+};
+
+// A compute pipeline of the SPIR-V in `words`.
+vk::raii::Pipeline makeComputePipeline(const Gpu& gpu, std::span<const uint32_t> words, std::span<const int32_t> constants,
+                                       const GpuBindings& bindings, vk::PipelineCreateFlags flags = {});
+vk::raii::ShaderModule makeShader(const Gpu& gpu, std::span<const uint32_t> words);
+
+}  // namespace apertura
