@@ -6,12 +6,21 @@ namespace apertura {
 
 using namespace glm;
 
+using lpfloat = float;
+using lpvec2 = vec2;
+using lpvec3 = vec3;
+using lpvec4 = vec4;
+constexpr float lpsmall(double x) { return float(x); }
+constexpr float lplarge(double x) { return float(x); }
+
+#define APERTURA_CPP
 #define APERTURA_FN inline
 #define APERTURA_STD140 alignas(16)
 #include "shaders/evaluate.glsl"
 #include "shaders/frame.glsl"
 #include "shaders/models.glsl"
 #include "shaders/shadow.glsl"
+#undef APERTURA_CPP
 #undef APERTURA_FN
 #undef APERTURA_STD140
 

@@ -3,9 +3,11 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_float16 : require
 // evaluate.comp in 16-bit floats: a receiver and a light come in 32 bits, as a processor made them, and everything that
 // depends on both is computed in 16.
-#include "half/models.glsl"
+#define APERTURA_HALF
+#include "models.glsl"
 
 // The same text once more in 32 bits, for what is made of a light alone.
+#undef APERTURA_HALF
 #undef APERTURA_CAP_GLSL
 #define CapLight WideLight
 #define PI WIDE_PI

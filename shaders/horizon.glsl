@@ -7,21 +7,21 @@
 const int HORIZON_AZIMUTHS = 16;
 
 // E of a cap light over a horizon: sine of its elevation at 16 azimuths, linear in between.
-APERTURA_FN float irradianceOverHorizon(vec3 normal, vec4 h0, vec4 h1, vec4 h2, vec4 h3, CapLight light, int lightClass) {
-    vec3 tangent = tangentTo(normal);
-    float x = dot(tangent, light.axis);
-    float y = dot(cross(normal, tangent), light.axis);
-    float z = dot(normal, light.axis);
-    float turn = atan(y, x) * (float(HORIZON_AZIMUTHS) / (2.0f * PI));
-    float at = turn < 0.0f ? turn + float(HORIZON_AZIMUTHS) : turn;
+APERTURA_FN lpfloat irradianceOverHorizon(lpvec3 normal, lpvec4 h0, lpvec4 h1, lpvec4 h2, lpvec4 h3, CapLight light, int lightClass) {
+    lpvec3 tangent = tangentTo(normal);
+    lpfloat x = dot(tangent, light.axis);
+    lpfloat y = dot(cross(normal, tangent), light.axis);
+    lpfloat z = dot(normal, light.axis);
+    lpfloat turn = atan(y, x) * (lpfloat(HORIZON_AZIMUTHS) / (lpfloat(2.0) * PI));
+    lpfloat at = turn < lpfloat(0.0) ? turn + lpfloat(HORIZON_AZIMUTHS) : turn;
     int i = int(at) & 15;
     int j = (i + 1) & 15;
-    vec4 a = i < 8 ? (i < 4 ? h0 : h1) : (i < 12 ? h2 : h3);
-    vec4 b = j < 8 ? (j < 4 ? h0 : h1) : (j < 12 ? h2 : h3);
-    float horizon = mix(a[i & 3], b[j & 3], at - floor(at));
-    float above = capRadius(1.0f - horizon) - capRadius(1.0f - z);
-    float t = clamp(0.5f + 0.5f * above / max(capRadius(light.height), 1e-6f), 0.0f, 1.0f);
-    return unoccludedIrradiance(normal, light, lightClass) * t * (1.0f + 0.6687f * (1.0f - t) * (2.0f * t - 1.0f));
+    lpvec4 a = i < 8 ? (i < 4 ? h0 : h1) : (i < 12 ? h2 : h3);
+    lpvec4 b = j < 8 ? (j < 4 ? h0 : h1) : (j < 12 ? h2 : h3);
+    lpfloat horizon = mix(a[i & 3], b[j & 3], at - floor(at));
+    lpfloat above = capRadius(lpfloat(1.0) - horizon) - capRadius(lpfloat(1.0) - z);
+    lpfloat t = clamp(lpfloat(0.5) + lpfloat(0.5) * above / max(capRadius(light.height), lpsmall(1e-6)), lpfloat(0.0), lpfloat(1.0));
+    return unoccludedIrradiance(normal, light, lightClass) * t * (lpfloat(1.0) + lpfloat(0.6687) * (lpfloat(1.0) - t) * (lpfloat(2.0) * t - lpfloat(1.0)));
 }
 
 #endif

@@ -7,39 +7,39 @@
 #include "several.glsl"
 
 // What irradianceThrough returns where a model has none: no irradiance is below zero.
-const float NO_FORMULA = -1.0f;
+const lpfloat NO_FORMULA = -lpfloat(1.0);
 
 // Visibility averaged over a cap light, from its SH up to band `bands`.
-APERTURA_FN float shVisibility(Receiver receiver, CapLight light, int bands) {
-    vec4 blur = capBlur(light.height);
-    float v = (receiver.visibility.w + 3.0f * blur.x * dot(vec3(receiver.visibility), light.axis)) / (4.0f * PI);
+APERTURA_FN lpfloat shVisibility(Receiver receiver, CapLight light, int bands) {
+    lpvec4 blur = capBlur(light.height);
+    lpfloat v = (receiver.visibility.w + lpfloat(3.0) * blur.x * dot(lpvec3(receiver.visibility), light.axis)) / (lpfloat(4.0) * PI);
     if (bands >= 2) {
         HighBands y = highBands(light.axis);
         v += blur.y * (dot(y.c[0], receiver.params[0]) + y.c[1].x * receiver.params[1].x);
         if (bands >= 4) {
-            vec3 band3 = vec3(y.c[1].y * receiver.params[1].y, y.c[1].z * receiver.params[1].z, y.c[1].w * receiver.params[1].w);
+            lpvec3 band3 = lpvec3(y.c[1].y * receiver.params[1].y, y.c[1].z * receiver.params[1].z, y.c[1].w * receiver.params[1].w);
             v += blur.z * (band3.x + band3.y + band3.z + dot(y.c[2], receiver.params[2]));
             v += blur.w * (dot(y.c[3], receiver.params[3]) + dot(y.c[4], receiver.params[4]) + y.c[5].x * receiver.params[5].x);
         }
     }
-    return clamp(v, 0.0f, 1.0f);
+    return clamp(v, lpfloat(0.0), lpfloat(1.0));
 }
 
 // No light brings more than all of the sky does, dot(normal, D), which is known exactly: so no large one shines through an
 // opening that is smaller than its formula's error.
-APERTURA_FN float atMostTheSky(float e, Receiver receiver, int lightClass) {
-    return lightClass == LIGHTS_ANY ? min(e, max(dot(receiver.normal, vec3(receiver.visibility)), 0.0f)) : e;
+APERTURA_FN lpfloat atMostTheSky(lpfloat e, Receiver receiver, int lightClass) {
+    return lightClass == LIGHTS_ANY ? min(e, max(dot(receiver.normal, lpvec3(receiver.visibility)), lpfloat(0.0))) : e;
 }
 
-APERTURA_FN float irradianceThroughAnti(Receiver receiver, CapLight light, int lightClass) {
-    vec3 n = receiver.normal;
+APERTURA_FN lpfloat irradianceThroughAnti(Receiver receiver, CapLight light, int lightClass) {
+    lpvec3 n = receiver.normal;
     TwoCaps caps = twoCapsIn(receiver);
-    float cap = irradianceThroughAperture(n, caps.first, light, lightClass);
-    float anti = unoccludedIrradiance(n, light, lightClass) - irradianceThroughAperture(n, caps.second, light, lightClass);
-    return mix(cap, max(anti, 0.0f), caps.weight);
+    lpfloat cap = irradianceThroughAperture(n, caps.first, light, lightClass);
+    lpfloat anti = unoccludedIrradiance(n, light, lightClass) - irradianceThroughAperture(n, caps.second, light, lightClass);
+    return mix(cap, max(anti, lpfloat(0.0)), caps.weight);
 }
 
-APERTURA_FN float irradianceThroughCapAnti(Receiver receiver, CapLight light, int lightClass) {
+APERTURA_FN lpfloat irradianceThroughCapAnti(Receiver receiver, CapLight light, int lightClass) {
     TwoCaps caps = twoCapsIn(receiver);
     return irradianceThroughTwoCaps(receiver.normal, caps.first, caps.second, caps.axesDot, caps.weight, light, lightClass);
 }
@@ -47,10 +47,10 @@ APERTURA_FN float irradianceThroughCapAnti(Receiver receiver, CapLight light, in
 // E of a cap light by the model that MODEL_AUTO chose for the receiver. For lights over 10 degrees, which may be larger than the
 // blocker that a soft aperture stands for, that becomes a quadric without a bend: it takes the light in four parts. A ladder, because
 // Mesa compiles a switch over what differs from pixel to pixel to twice the cycles.
-APERTURA_FN float irradianceThroughChoice(Receiver receiver, CapLight light, int lightClass) {
-    vec3 n = receiver.normal;
+APERTURA_FN lpfloat irradianceThroughChoice(Receiver receiver, CapLight light, int lightClass) {
+    lpvec3 n = receiver.normal;
     int chosen = choiceIn(receiver.params[CHOICE_SLOT]).model;
-    if (chosen == MODEL_AO) return unoccludedIrradiance(n, light, lightClass) * min(receiver.visibility.w / (2.0f * PI), 1.0f);
+    if (chosen == MODEL_AO) return unoccludedIrradiance(n, light, lightClass) * min(receiver.visibility.w / (lpfloat(2.0) * PI), lpfloat(1.0));
     if (chosen == MODEL_APERTURE) return irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass);
     if (chosen == MODEL_SOFT && lightClass != LIGHTS_ANY) return irradianceThroughSoft(n, softIn(receiver.params[0]), light, lightClass);
     if (chosen == MODEL_SOFT_2 || chosen == MODEL_FIRM_2) return irradianceThroughLobes(receiver, 2, light, lightClass);
@@ -62,17 +62,17 @@ APERTURA_FN float irradianceThroughChoice(Receiver receiver, CapLight light, int
 
 // E of a cap light at the receiver, by the formula of `model`. `lightClass`: the least of LIGHTS_... that covers the light.
 // NO_FORMULA for a number that is no model's.
-APERTURA_FN float irradianceThrough(int model, Receiver receiver, CapLight light, int lightClass) {
-    vec3 n = receiver.normal;
-    float open = unoccludedIrradiance(n, light, lightClass);
-    float e = NO_FORMULA;
+APERTURA_FN lpfloat irradianceThrough(int model, Receiver receiver, CapLight light, int lightClass) {
+    lpvec3 n = receiver.normal;
+    lpfloat open = unoccludedIrradiance(n, light, lightClass);
+    lpfloat e = NO_FORMULA;
     switch (model) {
         case MODEL_UNSHADOWED: e = open; break;
-        case MODEL_AO: e = open * min(receiver.visibility.w / (2.0f * PI), 1.0f); break;
+        case MODEL_AO: e = open * min(receiver.visibility.w / (lpfloat(2.0) * PI), lpfloat(1.0)); break;
         case MODEL_SH_L1: e = open * shVisibility(receiver, light, 1); break;
         case MODEL_SH_L2: e = open * shVisibility(receiver, light, 2); break;
         case MODEL_SH_L4: e = open * shVisibility(receiver, light, 4); break;
-        case MODEL_OAT: e = oatIrradianceThroughAperture(n, apertureIn(receiver.params[0], vec3(0.0f)), light); break;
+        case MODEL_OAT: e = oatIrradianceThroughAperture(n, apertureIn(receiver.params[0], lpvec3(lpfloat(0.0))), light); break;
         case MODEL_APERTURE: e = irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass); break;
         case MODEL_ALPHA: e = opacityIn(receiver) * irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass); break;
         case MODEL_ANTI: e = irradianceThroughAnti(receiver, light, lightClass); break;
@@ -97,12 +97,12 @@ APERTURA_FN float irradianceThrough(int model, Receiver receiver, CapLight light
 
 // E of a sky of unit radiance all around. It is exactly dot(normal, D), which every asset has; the
 // published method and plain occlusion know only the cap, or its area.
-APERTURA_FN float skyIrradiance(int model, Receiver receiver) {
+APERTURA_FN lpfloat skyIrradiance(int model, Receiver receiver) {
     switch (model) {
         case MODEL_UNSHADOWED: return PI;
-        case MODEL_AO: return 0.5f * receiver.visibility.w;
-        case MODEL_OAT: return 2.0f * PI * receiver.params[0].w * max(dot(receiver.normal, vec3(receiver.params[0])), 0.0f);
-        default: return max(dot(receiver.normal, vec3(receiver.visibility)), 0.0f);
+        case MODEL_AO: return lpfloat(0.5) * receiver.visibility.w;
+        case MODEL_OAT: return lpfloat(2.0) * PI * receiver.params[0].w * max(dot(receiver.normal, lpvec3(receiver.params[0])), lpfloat(0.0));
+        default: return max(dot(receiver.normal, lpvec3(receiver.visibility)), lpfloat(0.0));
     }
 }
 

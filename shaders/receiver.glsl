@@ -44,26 +44,26 @@ const int MAX_SLOTS = 6;
 //   auto             what the chosen model has, and its Choice in CHOICE_SLOT
 // The functions below are the only ones that know which letter of a slot is what.
 struct Receiver {
-    vec3 normal;             // unit
-    vec4 visibility;         // D, A, sr
-    vec4 params[MAX_SLOTS];  // axes unit: see renormalised
+    lpvec3 normal;             // unit
+    lpvec4 visibility;         // D, A, sr
+    lpvec4 params[MAX_SLOTS];  // axes unit: see renormalised
 };
 
-APERTURA_FN SoftAperture softIn(vec4 slot) { return SoftAperture(vec3(slot), slot.w); }
+APERTURA_FN SoftAperture softIn(lpvec4 slot) { return SoftAperture(lpvec3(slot), slot.w); }
 
 // The aperture of a slot whose terms stand elsewhere, or are not needed.
-APERTURA_FN Aperture apertureIn(vec4 slot, vec3 terms) { return Aperture(vec3(slot), slot.w, terms); }
-APERTURA_FN vec4 slotOf(Aperture aperture) { return vec4(aperture.axis, aperture.height); }
+APERTURA_FN Aperture apertureIn(lpvec4 slot, lpvec3 terms) { return Aperture(lpvec3(slot), slot.w, terms); }
+APERTURA_FN lpvec4 slotOf(Aperture aperture) { return lpvec4(aperture.axis, aperture.height); }
 
 // The one aperture of `aperture` and `alpha`, and how much of the light it lets through, 0..1.
 APERTURA_FN Aperture onlyApertureIn(Receiver receiver) {
-    vec4 second = receiver.params[1];
-    return apertureIn(receiver.params[0], vec3(second.y, second.z, second.w));
+    lpvec4 second = receiver.params[1];
+    return apertureIn(receiver.params[0], lpvec3(second.y, second.z, second.w));
 }
-APERTURA_FN float opacityIn(Receiver receiver) { return receiver.params[1].x; }
-APERTURA_FN Receiver withAperture(Receiver receiver, Aperture aperture, float opacity) {
+APERTURA_FN lpfloat opacityIn(Receiver receiver) { return receiver.params[1].x; }
+APERTURA_FN Receiver withAperture(Receiver receiver, Aperture aperture, lpfloat opacity) {
     receiver.params[0] = slotOf(aperture);
-    receiver.params[1] = vec4(opacity, aperture.terms);
+    receiver.params[1] = lpvec4(opacity, aperture.terms);
     return receiver;
 }
 
@@ -71,50 +71,50 @@ APERTURA_FN Receiver withAperture(Receiver receiver, Aperture aperture, float op
 struct TwoCaps {
     Aperture first;
     Aperture second;
-    float weight;   // anti: the share of the anti-aperture, 0..1; cap-anti: 1 where what both let through is what is blocked
-    float axesDot;  // of cap-anti
+    lpfloat weight;   // anti: the share of the anti-aperture, 0..1; cap-anti: 1 where what both let through is what is blocked
+    lpfloat axesDot;  // of cap-anti
 };
 APERTURA_FN TwoCaps twoCapsIn(Receiver receiver) {
-    vec4 rest = receiver.params[2];
-    vec4 terms = receiver.params[3];
-    return TwoCaps(apertureIn(receiver.params[0], vec3(terms.x, terms.y, rest.z)), apertureIn(receiver.params[1], vec3(terms.z, terms.w, rest.w)), rest.x,
+    lpvec4 rest = receiver.params[2];
+    lpvec4 terms = receiver.params[3];
+    return TwoCaps(apertureIn(receiver.params[0], lpvec3(terms.x, terms.y, rest.z)), apertureIn(receiver.params[1], lpvec3(terms.z, terms.w, rest.w)), rest.x,
                    rest.y);
 }
 APERTURA_FN Receiver withTwoCaps(Receiver receiver, TwoCaps caps) {
     receiver.params[0] = slotOf(caps.first);
     receiver.params[1] = slotOf(caps.second);
-    receiver.params[2] = vec4(caps.weight, caps.axesDot, caps.first.terms.z, caps.second.terms.z);
-    receiver.params[3] = vec4(caps.first.terms.x, caps.first.terms.y, caps.second.terms.x, caps.second.terms.y);
+    receiver.params[2] = lpvec4(caps.weight, caps.axesDot, caps.first.terms.z, caps.second.terms.z);
+    receiver.params[3] = lpvec4(caps.first.terms.x, caps.first.terms.y, caps.second.terms.x, caps.second.terms.y);
     return receiver;
 }
 
 // Aperture k of `count`, whose union is what is open. Two of its terms are all that the union needs.
 APERTURA_FN Aperture apertureOfUnion(Receiver receiver, int count, int k) {
-    vec4 two = receiver.params[count + k / 2];
-    vec2 own = (k & 1) == 0 ? vec2(two.x, two.y) : vec2(two.z, two.w);
-    return apertureIn(receiver.params[k], vec3(own.x, own.y, 0.0f));
+    lpvec4 two = receiver.params[count + k / 2];
+    lpvec2 own = (k & 1) == 0 ? lpvec2(two.x, two.y) : lpvec2(two.z, two.w);
+    return apertureIn(receiver.params[k], lpvec3(own.x, own.y, lpfloat(0.0)));
 }
 APERTURA_FN Receiver withApertureOfUnion(Receiver receiver, int count, int k, Aperture aperture) {
     receiver.params[k] = slotOf(aperture);
-    vec4 two = receiver.params[count + k / 2];
-    vec4 own = vec4(aperture.terms.x, aperture.terms.y, aperture.terms.x, aperture.terms.y);
-    receiver.params[count + k / 2] = (k & 1) == 0 ? vec4(own.x, own.y, two.z, two.w) : vec4(two.x, two.y, own.z, own.w);
+    lpvec4 two = receiver.params[count + k / 2];
+    lpvec4 own = lpvec4(aperture.terms.x, aperture.terms.y, aperture.terms.x, aperture.terms.y);
+    receiver.params[count + k / 2] = (k & 1) == 0 ? lpvec4(own.x, own.y, two.z, two.w) : lpvec4(two.x, two.y, own.z, own.w);
     return receiver;
 }
 
 // How lobes go together: see combineLobes (several.glsl).
 struct Combination {
-    float complement;  // 1: what the lobes let through together is what is blocked; 0: what is open
-    float pairs;       // how many pairs of lobes stand for the complement of their product: 0, 1, 2
+    lpfloat complement;  // 1: what the lobes let through together is what is blocked; 0: what is open
+    lpfloat pairs;       // how many pairs of lobes stand for the complement of their product: 0, 1, 2
 };
-APERTURA_FN Combination combinationIn(vec4 slot) { return Combination(slot.x, slot.w); }
-APERTURA_FN vec4 withCombination(vec4 slot, Combination c) { return vec4(c.complement, slot.y, slot.z, c.pairs); }
+APERTURA_FN Combination combinationIn(lpvec4 slot) { return Combination(slot.x, slot.w); }
+APERTURA_FN lpvec4 withCombination(lpvec4 slot, Combination c) { return lpvec4(c.complement, slot.y, slot.z, c.pairs); }
 
 APERTURA_FN SoftQuadric quadricIn(Receiver receiver) {
-    return SoftQuadric(vec3(receiver.params[0]), receiver.params[0].w, receiver.params[1], receiver.params[2].x);
+    return SoftQuadric(lpvec3(receiver.params[0]), receiver.params[0].w, receiver.params[1], receiver.params[2].x);
 }
 APERTURA_FN Receiver withQuadric(Receiver receiver, SoftQuadric quadric) {
-    receiver.params[0] = vec4(quadric.slope, quadric.offset);
+    receiver.params[0] = lpvec4(quadric.slope, quadric.offset);
     receiver.params[1] = quadric.bend;
     receiver.params[2].x = quadric.bendYz;
     return receiver;
@@ -126,14 +126,14 @@ struct Choice {
     bool outOfReach;  // no model came within the tolerance
 };
 const int CHOICE_SLOT = 4;  // four lobes have their Combination in its other letters
-APERTURA_FN Choice choiceIn(vec4 slot) { return Choice(int(slot.y + 0.5f), slot.z > 0.5f); }
-APERTURA_FN vec4 withChoice(vec4 slot, Choice choice) { return vec4(slot.x, float(choice.model), choice.outOfReach ? 1.0f : 0.0f, slot.w); }
+APERTURA_FN Choice choiceIn(lpvec4 slot) { return Choice(int(slot.y + lpfloat(0.5)), slot.z > lpfloat(0.5)); }
+APERTURA_FN lpvec4 withChoice(lpvec4 slot, Choice choice) { return lpvec4(slot.x, lpfloat(choice.model), choice.outOfReach ? lpfloat(1.0) : lpfloat(0.0), slot.w); }
 
 // An axis made unit again; where nothing is left of it the normal is the best guess.
-APERTURA_FN Aperture renormalisedAperture(vec4 slot, vec3 normal) {
-    vec3 axis = vec3(slot);
-    float squared = dot(axis, axis);
-    return makeAperture(squared > 1e-8f ? axis * inversesqrt(squared) : normal, slot.w);
+APERTURA_FN Aperture renormalisedAperture(lpvec4 slot, lpvec3 normal) {
+    lpvec3 axis = lpvec3(slot);
+    lpfloat squared = dot(axis, axis);
+    return makeAperture(squared > lpsmall(1e-8) ? axis * inversesqrt(squared) : normal, slot.w);
 }
 
 // A receiver whose parameters were interpolated, ready for its model: the axes of apertures have become shorter, and
@@ -145,7 +145,7 @@ APERTURA_FN Receiver renormalised(int model, Receiver receiver) {
         case MODEL_ALPHA: receiver = withAperture(receiver, renormalisedAperture(receiver.params[0], receiver.normal), opacityIn(receiver)); break;
         case MODEL_ANTI:
             receiver = withTwoCaps(receiver, TwoCaps(renormalisedAperture(receiver.params[0], receiver.normal),
-                                                     renormalisedAperture(receiver.params[1], receiver.normal), twoCapsIn(receiver).weight, 0.0f));
+                                                     renormalisedAperture(receiver.params[1], receiver.normal), twoCapsIn(receiver).weight, lpfloat(0.0)));
             break;
         default: break;
     }

@@ -5,33 +5,33 @@
 
 // The mean visibility of `count` lobes, two to four, from the mean products of their factors. Lobes 0 and 1 of more than
 // two, and 2 and 3 of four, may be a pair, which lets through what the product of the two leaves of 1.
-APERTURA_FN float combineLobes(int count, MeanProducts m, Combination c) {
-    float product = m.all;
-    if (count >= 3 && c.pairs > 0.5f) product = count >= 4 && c.pairs > 1.5f ? 1.0f - m.pair.x - m.pair.y + m.all : m.last - m.all;
-    return c.complement > 0.5f ? 1.0f - product : product;
+APERTURA_FN lpfloat combineLobes(int count, MeanProducts m, Combination c) {
+    lpfloat product = m.all;
+    if (count >= 3 && c.pairs > lpfloat(0.5)) product = count >= 4 && c.pairs > lpfloat(1.5) ? lpfloat(1.0) - m.pair.x - m.pair.y + m.all : m.last - m.all;
+    return c.complement > lpfloat(0.5) ? lpfloat(1.0) - product : product;
 }
 
 // The products of `count` lobes or apertures over a light, from what each lets through or keeps back. `along`: dot of
 // each one's slope or axis and the light's; `inverseDeviation`: of each, 1 over its deviation.
-APERTURA_FN MeanProducts productsOver(Receiver receiver, int count, vec4 p, vec4 along, vec4 inverseDeviation, CapLight light) {
-    vec3 s[4];
-    for (int k = 0; k < 4; ++k) s[k] = vec3(receiver.params[min(k, count - 1)]);
-    float w1 = edgeAlignment(covariance(dot(s[0], s[1]), along.x, along.y, light) * inverseDeviation.x * inverseDeviation.y);
-    vec2 w2 = vec2(0.0f);
-    vec3 w3 = vec3(0.0f);
+APERTURA_FN MeanProducts productsOver(Receiver receiver, int count, lpvec4 p, lpvec4 along, lpvec4 inverseDeviation, CapLight light) {
+    lpvec3 s[4];
+    for (int k = 0; k < 4; ++k) s[k] = lpvec3(receiver.params[min(k, count - 1)]);
+    lpfloat w1 = edgeAlignment(covariance(dot(s[0], s[1]), along.x, along.y, light) * inverseDeviation.x * inverseDeviation.y);
+    lpvec2 w2 = lpvec2(lpfloat(0.0));
+    lpvec3 w3 = lpvec3(lpfloat(0.0));
     for (int k = 0; k < 2 && count >= 3; ++k) w2[k] = edgeAlignment(covariance(dot(s[k], s[2]), along[k], along.z, light) * inverseDeviation[k] * inverseDeviation.z);
     for (int k = 0; k < 3 && count >= 4; ++k) w3[k] = edgeAlignment(covariance(dot(s[k], s[3]), along[k], along.w, light) * inverseDeviation[k] * inverseDeviation.w);
     return meanProducts(count, p, w1, w2, w3);
 }
 
 // E of a cap light through `count` lobes, two to four.
-APERTURA_FN float irradianceThroughLobes(Receiver receiver, int count, CapLight light, int lightClass) {
-    vec3 n = receiver.normal;
+APERTURA_FN lpfloat irradianceThroughLobes(Receiver receiver, int count, CapLight light, int lightClass) {
+    lpvec3 n = receiver.normal;
     Combination combine = combinationIn(receiver.params[count]);
-    vec4 p = vec4(1.0f);
-    vec4 along = vec4(0.0f);
-    vec4 inverseDeviation = vec4(0.0f);
-    float visible = 0.0f;
+    lpvec4 p = lpvec4(lpfloat(1.0));
+    lpvec4 along = lpvec4(lpfloat(0.0));
+    lpvec4 inverseDeviation = lpvec4(lpfloat(0.0));
+    lpfloat visible = lpfloat(0.0);
     if (lightClass == LIGHTS_ANY) {
         FourLights four = quarters(n, light);
         for (int i = 0; i < 4; ++i) {
@@ -62,17 +62,17 @@ APERTURA_FN float irradianceThroughLobes(Receiver receiver, int count, CapLight 
 
 // The share of a cap light that at least one of two to four apertures lets through: what the product of what each
 // keeps back leaves of 1.
-APERTURA_FN float visibleFractionOfUnion(Receiver receiver, int count, CapLight light, int lightClass) {
-    vec4 kept = vec4(1.0f);
-    vec4 along = vec4(0.0f);
-    vec4 inverseDeviation = vec4(0.0f);
+APERTURA_FN lpfloat visibleFractionOfUnion(Receiver receiver, int count, CapLight light, int lightClass) {
+    lpvec4 kept = lpvec4(lpfloat(1.0));
+    lpvec4 along = lpvec4(lpfloat(0.0));
+    lpvec4 inverseDeviation = lpvec4(lpfloat(0.0));
     for (int k = 0; k < count; ++k) {
         Aperture aperture = apertureOfUnion(receiver, count, k);
         along[k] = dot(aperture.axis, light.axis);
         inverseDeviation[k] = inverseDeviationOfCap(along[k], light);
-        kept[k] = 1.0f - visibleFraction(receiver.normal, aperture, light, lightClass);
+        kept[k] = lpfloat(1.0) - visibleFraction(receiver.normal, aperture, light, lightClass);
     }
-    return 1.0f - productsOver(receiver, count, kept, along, inverseDeviation, light).all;
+    return lpfloat(1.0) - productsOver(receiver, count, kept, along, inverseDeviation, light).all;
 }
 
 #endif

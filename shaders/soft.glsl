@@ -8,67 +8,67 @@
 
 // The open directions around a point, soft-edged.
 struct SoftAperture {
-    vec3 slope;    // towards the open side; its length is the sharpness: 0 even haze, 10 a hard edge
-    float offset;
+    lpvec3 slope;    // towards the open side; its length is the sharpness: 0 even haze, 10 a hard edge
+    lpfloat offset;
 };
 
-APERTURA_FN float softStep(float f) { return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f); }
+APERTURA_FN lpfloat softStep(lpfloat f) { return lpfloat(0.5) + lpfloat(0.5) * f * inversesqrt(lpfloat(1.0) + f * f); }
 
 // How a plane is averaged over a cap light: constants fitted to the integral, with a price on steps that no light makes.
 struct DiscLaw {
-    float shrink;    // the centre's way to the cap's centroid, in heights of the cap
-    float lean;      // of a light that the horizon cuts, towards the part that is left, in sines of its radius,
-    float leanLess;  // and less with each unit of its cosine to the normal
-    float across;    // squared half breadth of the line that stands for the disc, in squared sines,
-    float through;   // and for the bulge, in squared heights
-    float ends;      // of the line: 1 sharp; a disc's edges come in more softly
+    lpfloat shrink;    // the centre's way to the cap's centroid, in heights of the cap
+    lpfloat lean;      // of a light that the horizon cuts, towards the part that is left, in sines of its radius,
+    lpfloat leanLess;  // and less with each unit of its cosine to the normal
+    lpfloat across;    // squared half breadth of the line that stands for the disc, in squared sines,
+    lpfloat through;   // and for the bulge, in squared heights
+    lpfloat ends;      // of the line: 1 sharp; a disc's edges come in more softly
 };
-APERTURA_FN DiscLaw wholeDisc(float across, float ends) { return DiscLaw(0.5084f, 0.5032f, 0.1667f, across, 0.22f, ends); }
-APERTURA_FN DiscLaw quarterDisc(float across, float ends) { return DiscLaw(0.5677f, 0.3954f, 0.1008f, across, 0.2322f, ends); }
+APERTURA_FN DiscLaw wholeDisc(lpfloat across, lpfloat ends) { return DiscLaw(lpfloat(0.5084), lpfloat(0.5032), lpfloat(0.1667), across, lpfloat(0.22), ends); }
+APERTURA_FN DiscLaw quarterDisc(lpfloat across, lpfloat ends) { return DiscLaw(lpfloat(0.5677), lpfloat(0.3954), lpfloat(0.1008), across, lpfloat(0.2322), ends); }
 // Each as sharp as lets no light that crosses the built-in scenes step further than its rim sweeps (of three lobes 3 %): of
 // several lobes edges may be one, and the plane of a quadric turns from quarter to quarter.
-APERTURA_FN DiscLaw softDisc() { return wholeDisc(0.65f, 0.87f); }
-APERTURA_FN DiscLaw lobeDisc() { return wholeDisc(0.68f, 0.88f); }
-APERTURA_FN DiscLaw lobeQuarter(int count) { return count < 4 ? quarterDisc(0.70f, 0.77f) : quarterDisc(0.79f, 0.74f); }
-APERTURA_FN DiscLaw quadricQuarter() { return quarterDisc(0.89f, 0.74f); }
+APERTURA_FN DiscLaw softDisc() { return wholeDisc(lpfloat(0.65), lpfloat(0.87)); }
+APERTURA_FN DiscLaw lobeDisc() { return wholeDisc(lpfloat(0.68), lpfloat(0.88)); }
+APERTURA_FN DiscLaw lobeQuarter(int count) { return count < 4 ? quarterDisc(lpfloat(0.70), lpfloat(0.77)) : quarterDisc(lpfloat(0.79), lpfloat(0.74)); }
+APERTURA_FN DiscLaw quadricQuarter() { return quarterDisc(lpfloat(0.89), lpfloat(0.74)); }
 
 // The mean of softStep(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
 // axis and has the gradient `slope`. The integral of softStep has a closed form along a line; the disc is near to one.
-APERTURA_FN float softStepOverLight(vec3 normal, float centre, vec3 slope, CapLight light, DiscLaw law) {
-    float z = dot(normal, light.axis);
-    float s = light.sinRadius;
-    float along = dot(slope, light.axis);
-    float lean = max(law.lean * s - law.leanLess * z, 0.0f);
-    float f = centre - law.shrink * light.height * along + lean * (dot(slope, normal) - along * z);
-    float through = light.height * along;
-    float q2 = law.across * s * s * max(dot(slope, slope) - along * along, 0.0f) + law.through * through * through;
+APERTURA_FN lpfloat softStepOverLight(lpvec3 normal, lpfloat centre, lpvec3 slope, CapLight light, DiscLaw law) {
+    lpfloat z = dot(normal, light.axis);
+    lpfloat s = light.sinRadius;
+    lpfloat along = dot(slope, light.axis);
+    lpfloat lean = max(law.lean * s - law.leanLess * z, lpfloat(0.0));
+    lpfloat f = centre - law.shrink * light.height * along + lean * (dot(slope, normal) - along * z);
+    lpfloat through = light.height * along;
+    lpfloat q2 = law.across * s * s * max(dot(slope, slope) - along * along, lpfloat(0.0)) + law.through * through * through;
     // Along a line 1/2 + f / (sqrt(1 + (f + q)^2) + sqrt(1 + (f - q)^2)), with one root less, in numbers that a half holds.
-    f = clamp(f, -1e6f, 1e6f);
-    q2 = min(q2, 1e6f * 1e6f);
-    float b = 1.0f + f * f + q2;
-    float inverse = 1.0f / b;
-    float root = sqrt(max(1.0f - 4.0f * law.ends * (f * f * inverse) * (q2 * inverse), 0.0f));
-    return clamp(0.5f + 0.5f * f * inversesqrt(0.5f * b * (1.0f + root)), 0.0f, 1.0f);
+    f = clamp(f, -lplarge(1e6), lplarge(1e6));
+    q2 = min(q2, lplarge(1e6) * lplarge(1e6));
+    lpfloat b = lpfloat(1.0) + f * f + q2;
+    lpfloat inverse = lpfloat(1.0) / b;
+    lpfloat root = sqrt(max(lpfloat(1.0) - lpfloat(4.0) * law.ends * (f * f * inverse) * (q2 * inverse), lpfloat(0.0)));
+    return clamp(lpfloat(0.5) + lpfloat(0.5) * f * inversesqrt(lpfloat(0.5) * b * (lpfloat(1.0) + root)), lpfloat(0.0), lpfloat(1.0));
 }
 
 // Of a light so small that it is a point.
-APERTURA_FN float lobeAt(SoftAperture lobe, CapLight light) { return softStep(lobe.offset + dot(lobe.slope, light.axis)); }
+APERTURA_FN lpfloat lobeAt(SoftAperture lobe, CapLight light) { return softStep(lobe.offset + dot(lobe.slope, light.axis)); }
 
 // The mean of softStep over a small light or one of medium size, cheaply: the line's breadth is one more term under
 // the root. It is as broad as makes an edge no steeper than the light itself does, whose rim is all that a hard
 // edge can sweep: half as broad would be nearer to the integral, and step.
-APERTURA_FN float lobeOverMedium(SoftAperture lobe, CapLight light) {
-    float along = dot(lobe.slope, light.axis);
-    float f = lobe.offset + along * light.shrink;
-    float across = light.spread * max(dot(lobe.slope, lobe.slope) - along * along, 0.0f);
-    return 0.5f + 0.5f * f * inversesqrt(1.0f + f * f + across);
+APERTURA_FN lpfloat lobeOverMedium(SoftAperture lobe, CapLight light) {
+    lpfloat along = dot(lobe.slope, light.axis);
+    lpfloat f = lobe.offset + along * light.shrink;
+    lpfloat across = light.spread * max(dot(lobe.slope, lobe.slope) - along * along, lpfloat(0.0));
+    return lpfloat(0.5) + lpfloat(0.5) * f * inversesqrt(lpfloat(1.0) + f * f + across);
 }
 
 // E of a cap light through a soft aperture, cut by the receiver's horizon. Of the model's own integral over
 // the light it is within 0.010 RMS (0.10 max) for radii 0.27..45 degrees, and in the cheaper classes within
 // 0.008 (small) and 0.017 (medium): tests/soft_test.cpp.
-APERTURA_FN float irradianceThroughSoft(vec3 normal, SoftAperture soft, CapLight light, int lightClass) {
-    float visible = 0.0f;
+APERTURA_FN lpfloat irradianceThroughSoft(lpvec3 normal, SoftAperture soft, CapLight light, int lightClass) {
+    lpfloat visible = lpfloat(0.0);
     if (lightClass == LIGHTS_SUN) {
         visible = lobeAt(soft, light);
     } else if (lightClass != LIGHTS_ANY) {
@@ -81,39 +81,39 @@ APERTURA_FN float irradianceThroughSoft(vec3 normal, SoftAperture soft, CapLight
 
 // 1 over the deviation of a lobe's plane across a light, in sines of its radius, with a term for how soft its edge is beside
 // the light: fitted to pairs of lobes, tests/soft_test.cpp. `along`: dot(slope, light.axis).
-APERTURA_FN float inverseDeviationOfLobe(vec3 slope, float along, CapLight light) {
-    float s = light.sinRadius;
-    return s * inversesqrt(3.2f + s * s * max(covariance(dot(slope, slope), along, along, light), 0.0f));
+APERTURA_FN lpfloat inverseDeviationOfLobe(lpvec3 slope, lpfloat along, CapLight light) {
+    lpfloat s = light.sinRadius;
+    return s * inversesqrt(lpfloat(3.2) + s * s * max(covariance(dot(slope, slope), along, along, light), lpfloat(0.0)));
 }
 
 // A large light as four smaller ones around its centre: what has no closed form over one disc is summed
 // over them. Each has the size of the light in `part`.
 struct FourLights {
     CapLight part;
-    vec3 axis[4];
-    float weight[4];  // by their light above the horizon; sum 1
+    lpvec3 axis[4];
+    lpfloat weight[4];  // by their light above the horizon; sum 1
 };
 
-APERTURA_FN FourLights quarters(vec3 normal, CapLight light) {
+APERTURA_FN FourLights quarters(lpvec3 normal, CapLight light) {
     // The normal's tangent carried along to the light: it never turns at once, but for a light at the nadir.
-    vec3 n = normal * inversesqrt(max(dot(normal, normal), 1e-30f));
-    vec3 t = tangentTo(n);
-    vec3 u = t - dot(t, light.axis) / max(1.0f + dot(n, light.axis), 1e-3f) * (light.axis + n);
-    vec3 v = cross(light.axis, u);
-    float side = 0.6188f * light.sinRadius;
-    vec3 centre = sqrt(1.0f - side * side) * light.axis;
+    lpvec3 n = normal * inversesqrt(max(dot(normal, normal), lpsmall(1e-30)));
+    lpvec3 t = tangentTo(n);
+    lpvec3 u = t - dot(t, light.axis) / max(lpfloat(1.0) + dot(n, light.axis), lpfloat(1e-3)) * (light.axis + n);
+    lpvec3 v = cross(light.axis, u);
+    lpfloat side = lpfloat(0.6188) * light.sinRadius;
+    lpvec3 centre = sqrt(lpfloat(1.0) - side * side) * light.axis;
     FourLights four;
-    four.part = capLight(light.axis, 0.5806f * light.sinRadius);
+    four.part = capLight(light.axis, lpfloat(0.5806) * light.sinRadius);
     four.axis[0] = centre + side * u;
     four.axis[1] = centre - side * u;
     four.axis[2] = centre + side * v;
     four.axis[3] = centre - side * v;
-    float sum = 0.0f;
+    lpfloat sum = lpfloat(0.0);
     for (int i = 0; i < 4; ++i) {
-        four.weight[i] = horizonCosine(dot(n, four.axis[i]), four.part.rim, four.part.rimSlope) + 1e-6f;
+        four.weight[i] = horizonCosine(dot(n, four.axis[i]), four.part.rim, four.part.rimSlope) + lpsmall(1e-6);
         sum += four.weight[i];
     }
-    float scale = 1.0f / sum;
+    lpfloat scale = lpfloat(1.0) / sum;
     for (int i = 0; i < 4; ++i) four.weight[i] *= scale;
     return four;
 }
@@ -121,34 +121,34 @@ APERTURA_FN FourLights quarters(vec3 normal, CapLight light) {
 // A soft aperture whose step follows a quadric: softStep(offset + dot(slope, w) + w Q w), Q symmetric and
 // without trace.
 struct SoftQuadric {
-    vec3 slope;
-    float offset;
-    vec4 bend;      // Qxx, Qyy, Qxy, Qxz
-    float bendYz;
+    lpvec3 slope;
+    lpfloat offset;
+    lpvec4 bend;      // Qxx, Qyy, Qxy, Qxz
+    lpfloat bendYz;
 };
 
-APERTURA_FN vec3 bendTimes(SoftQuadric q, vec3 w) {
-    return vec3(q.bend.x * w.x + q.bend.z * w.y + q.bend.w * w.z, q.bend.z * w.x + q.bend.y * w.y + q.bendYz * w.z,
+APERTURA_FN lpvec3 bendTimes(SoftQuadric q, lpvec3 w) {
+    return lpvec3(q.bend.x * w.x + q.bend.z * w.y + q.bend.w * w.z, q.bend.z * w.x + q.bend.y * w.y + q.bendYz * w.z,
                 q.bend.w * w.x + q.bendYz * w.y - (q.bend.x + q.bend.y) * w.z);
 }
 
 // E of a cap light through it: the step's plane is the quadric's tangent at the light's quarters.
-APERTURA_FN float irradianceThroughQuadric(vec3 normal, SoftQuadric soft, CapLight light, int lightClass) {
-    float visible = 0.0f;
-    vec3 bend = bendTimes(soft, light.axis);
-    float centre = soft.offset + dot(soft.slope + bend, light.axis);
+APERTURA_FN lpfloat irradianceThroughQuadric(lpvec3 normal, SoftQuadric soft, CapLight light, int lightClass) {
+    lpfloat visible = lpfloat(0.0);
+    lpvec3 bend = bendTimes(soft, light.axis);
+    lpfloat centre = soft.offset + dot(soft.slope + bend, light.axis);
     if (lightClass == LIGHTS_SUN) {
         visible = softStep(centre);
     } else if (lightClass != LIGHTS_ANY) {
-        visible = softStepOverLight(normal, centre, soft.slope + 2.0f * bend, light, softDisc());
+        visible = softStepOverLight(normal, centre, soft.slope + lpfloat(2.0) * bend, light, softDisc());
     } else {
         FourLights four = quarters(normal, light);
         for (int i = 0; i < 4; ++i) {
             CapLight part = four.part;
             part.axis = four.axis[i];
-            vec3 bent = bendTimes(soft, part.axis);
-            float middle = soft.offset + dot(soft.slope + bent, part.axis);
-            visible += four.weight[i] * softStepOverLight(normal, middle, soft.slope + 2.0f * bent, part, quadricQuarter());
+            lpvec3 bent = bendTimes(soft, part.axis);
+            lpfloat middle = soft.offset + dot(soft.slope + bent, part.axis);
+            visible += four.weight[i] * softStepOverLight(normal, middle, soft.slope + lpfloat(2.0) * bent, part, quadricQuarter());
         }
     }
     return unoccludedIrradiance(normal, light, lightClass) * visible;
