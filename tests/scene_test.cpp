@@ -167,7 +167,7 @@ TEST(Asset, HoldsDirectionsInTheFrameOfThePrimitive) {
     // A node that turns x to y: what is seen along world y is stored along x.
     const std::string nodes = R"({"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[3,3,3]})";
     const Scene scene = readGltf(folder.write("a.gltf", gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6})", nodes)));
-    const float area = 2, length = area * (1 - area / float(4 * kPi));
+    const float area = 2, length = area * (1 - area / float(4 * pi));
     const BakedVisibility given{{{{vec3(0, length, 0), area}, {}, {}, {}}, {}}};
     writeAsset(folder / "out.glb", scene, given, {});
     const Scene back = readGltf(folder / "out.glb");
@@ -175,7 +175,7 @@ TEST(Asset, HoldsDirectionsInTheFrameOfThePrimitive) {
     const auto stored = readAccessor(*back.document, primitive["attributes"]["_VISIBILITY"].get<size_t>(), 4);
     EXPECT_NEAR(stored[0], length / area, 0.005);
     EXPECT_NEAR(stored[1], 0, 0.005);
-    EXPECT_NEAR(stored[3], 2 * std::sqrt(area / (2 * kPi)) - 1, 0.005);
+    EXPECT_NEAR(stored[3], 2 * std::sqrt(area / (2 * pi)) - 1, 0.005);
     EXPECT_EQ(stored[7], -1);  // a closed point
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "bake/sampling/directions.h"
 #include "bake/sampling/progress.h"
@@ -273,7 +274,7 @@ VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progr
                 againstFaces += against;
                 withoutFaces += corner.count == 0;
                 points[k] = nextTo(mesh, tracer, v, corner, normal);
-                const double spin = 6.283185307179586 * hashUnit(0, i, v);
+                const double spin = 2 * std::numbers::pi * hashUnit(0, i, v);
                 const int backs = backsSeen(tracer, open, points[k], spin);
                 if (backs < kSuspicious) continue;
                 bool found = false;
