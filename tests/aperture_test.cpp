@@ -19,7 +19,7 @@ Errors againstExact(uint64_t seed, Formula&& formula, double least = 0.27, doubl
     for (int i = 0; i < n;) {
         dvec3 axis = random.direction(), light = random.direction();
         axis.z = std::abs(axis.z);
-        const double r0 = std::acos(1 - random()), r1 = least * std::pow(largest / least, random()) * kPi / 180;
+        const double r0 = std::acos(1 - random()), r1 = least * std::pow(largest / least, random()) * pi / 180;
         if (i % 2) {
             const double d = r0 + r1 * random(-2, 2);
             light = std::cos(d) * axis + std::sin(d) * normalize(cross(axis, random.direction()));
@@ -58,8 +58,8 @@ TEST(Aperture, AChordLeavesOfADiscWhatItShould) {
     double before = 0;
     for (int i = 1; i <= 1000; ++i) {
         const double x = i / 1000.0, turn = std::acos(1 - 2 * x), share = discFraction(float(x));
-        EXPECT_NEAR(share, (turn - std::sin(turn) * std::cos(turn)) / kPi, 0.0016) << x;
-        EXPECT_LE((share - before) * 1000, 4 / kPi + 1e-3) << x;  // of a chord through the centre
+        EXPECT_NEAR(share, (turn - std::sin(turn) * std::cos(turn)) / pi, 0.0016) << x;
+        EXPECT_LE((share - before) * 1000, 4 / pi + 1e-3) << x;  // of a chord through the centre
         before = share;
     }
 }
@@ -73,12 +73,12 @@ TEST(Aperture, ThePublishedFormulaIsTheBaselineThatItIsSaidToBe) {
 
 TEST(Aperture, SurvivesWhereThePublishedFormulaFails) {
     const vec3 n(0, 0, 1);
-    for (double r0 : {0.0, 1e-5, 0.00465, 0.5, kPi / 2})
-        for (double r1 : {1e-5, 0.00465, 0.26, kPi / 2})
+    for (double r0 : {0.0, 1e-5, 0.00465, 0.5, pi / 2})
+        for (double r1 : {1e-5, 0.00465, 0.26, pi / 2})
             for (const dvec3& axis : {dvec3(0, 0, 1), dvec3(0, 0, -1), dvec3(1, 0, 0)})
                 for (const dvec3& light : {axis, -axis, dvec3(0, 1, 0)}) {
                     const float e = irradianceThroughAperture(n, capAperture(axis, r0), capLight(light, r1), LIGHTS_ANY);
-                    EXPECT_TRUE(std::isfinite(e) && e >= 0 && e <= 1.006 * kPi * std::pow(std::sin(r1), 2) + 1e-12)
+                    EXPECT_TRUE(std::isfinite(e) && e >= 0 && e <= 1.006 * pi * std::pow(std::sin(r1), 2) + 1e-12)
                         << r0 << " " << r1 << " gives " << e;
                 }
 }
@@ -87,8 +87,8 @@ TEST(Aperture, ComesBackFromItsOwnCoefficients) {
     Random random(3);
     for (int i = 0; i < 1000; ++i) {
         const dvec3 axis = random.direction();
-        const double r = random(0.001, kPi / 2), area = 2 * kPi * (1 - std::cos(r));
-        const Visibility cap{vec3(axis * area * (1 - area / (4 * kPi))), float(area)};
+        const double r = random(0.001, pi / 2), area = 2 * pi * (1 - std::cos(r));
+        const Visibility cap{vec3(axis * area * (1 - area / (4 * pi))), float(area)};
         EXPECT_NEAR(capness(cap), 1, 1e-5);
         const Aperture a = toAperture(toVisibility(toSh4(cap)), vec3(0, 0, 1));
         EXPECT_LT(length(dvec3(a.axis) - axis), 1e-5);
@@ -107,7 +107,7 @@ TEST(Aperture, AxisFallsBackToTheNormal) {
 
 TEST(Aperture, FullyOpenIsTheHemisphere) {
     const vec3 n(0, 1, 0);
-    const Aperture a = toAperture({float(kPi) * n, float(2 * kPi)}, n);
+    const Aperture a = toAperture({float(pi) * n, float(2 * pi)}, n);
     EXPECT_NEAR(a.height, 1, 1e-6);
     const CapLight sun = capLight(normalize(dvec3(1, 2, 0)), 0.00465);
     EXPECT_NEAR(irradianceThroughAperture(n, a, sun, LIGHTS_ANY) / irradianceAboveHorizon(n, sun), 1, 1e-3);

@@ -38,8 +38,8 @@ TEST(Bake, AnOpenPlaneSeesTheWholeHemisphere) {
     for (const char* recipe : {"sh", "rays"}) {
         const BakedVisibility baked = bakeVertices(scene, Tracer(scene), {.recipe = recipe});
         for (const Visibility& v : baked[0].visibility) {
-            EXPECT_NEAR(v.area, 2 * kPi, 1e-5);
-            EXPECT_NEAR(v.direction.y, kPi, 1e-4);
+            EXPECT_NEAR(v.area, 2 * pi, 1e-5);
+            EXPECT_NEAR(v.direction.y, pi, 1e-4);
         }
     }
 }
@@ -50,8 +50,8 @@ TEST(Bake, UnderASphereTheBlockedRegionIsACap) {
     const SurfacePoint point{{0, 0, 0}, {0, 1, 0}};
     const double cosine = std::sqrt(1 - 1 / 9.0);
     const std::vector<Visibility> v = visibilityAt(Tracer(scene), {&point, 1}, {.recipe = "sh", .rays = 16384});
-    EXPECT_NEAR(v[0].area, 2 * kPi * cosine, 3e-3);
-    EXPECT_NEAR(v[0].direction.y, kPi - kPi / 9, 3e-3);
+    EXPECT_NEAR(v[0].area, 2 * pi * cosine, 3e-3);
+    EXPECT_NEAR(v[0].direction.y, pi - pi / 9, 3e-3);
 }
 
 TEST(Bake, BesideAWallHalfTheSkyIsLeft) {
@@ -60,9 +60,9 @@ TEST(Bake, BesideAWallHalfTheSkyIsLeft) {
     const Scene scene = sceneOf(wall);
     const SurfacePoint point{{-0.01f, 0, 0}, {0, 1, 0}};
     const Visibility v = visibilityAt(Tracer(scene), {&point, 1}, {.recipe = "rays", .rays = 16384})[0];
-    EXPECT_NEAR(v.area, kPi, 5e-3);  // a quarter of the sphere: F = pi/2 (up - x)
-    EXPECT_NEAR(v.direction.y, kPi / 2, 5e-3);
-    EXPECT_NEAR(v.direction.x, -kPi / 2, 5e-3);
+    EXPECT_NEAR(v.area, pi, 5e-3);  // a quarter of the sphere: F = pi/2 (up - x)
+    EXPECT_NEAR(v.direction.y, pi / 2, 5e-3);
+    EXPECT_NEAR(v.direction.x, -pi / 2, 5e-3);
 }
 
 TEST(Bake, MaxDistanceLetsFarThingsThrough) {
@@ -70,9 +70,9 @@ TEST(Bake, MaxDistanceLetsFarThingsThrough) {
     const SurfacePoint point{{0, 0, 0}, {0, 1, 0}};
     BakeOptions near;
     near.maxDistance = 1.5;
-    EXPECT_NEAR(visibilityAt(Tracer(scene), {&point, 1}, near)[0].area, 2 * kPi, 1e-5);
+    EXPECT_NEAR(visibilityAt(Tracer(scene), {&point, 1}, near)[0].area, 2 * pi, 1e-5);
     near.maxDistance = 2.9;
-    EXPECT_LT(visibilityAt(Tracer(scene), {&point, 1}, near)[0].area, 2 * kPi - 0.1);
+    EXPECT_LT(visibilityAt(Tracer(scene), {&point, 1}, near)[0].area, 2 * pi - 0.1);
 }
 
 TEST(Bake, BothSourcesAreTheSameByConstruction) {
@@ -144,7 +144,7 @@ TEST(Bake, SharedSurfacesAreTracedInEveryPlace) {
     Scene flat = sceneOf(Surface{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, std::vector<glm::vec3>(4, {0, 0, 1}), {{0, 1, 2}, {0, 2, 3}}});
     flat.instances.push_back({0, there});
     const SurfacePoint on{{0.4f, 0.3f, 0}, {0, 0, 1}};
-    EXPECT_NEAR(visibilityAt(Tracer(flat), {&on, 1}, {.recipe = "sh", .rays = 4096})[0].area, 2 * kPi, 1e-3);
+    EXPECT_NEAR(visibilityAt(Tracer(flat), {&on, 1}, {.recipe = "sh", .rays = 4096})[0].area, 2 * pi, 1e-3);
     EXPECT_FALSE(tracer.occluded({1.5f, 5, 0}, {0, -1, 0}, kNoLimit));
     const auto hit = tracer.nearest({3, 5, 0}, {0, -1, 0});
     ASSERT_TRUE(hit);
@@ -162,7 +162,7 @@ TEST(Bake, LatticeErrorAt256RaysOnTheBunny) {
     const auto truth = visibilityAt(tracer, points, {.recipe = "rays", .rays = 16384, .seed = 99}), baked = visibilityAt(tracer, points, {});
     double sum = 0;
     for (size_t i = 0; i < points.size(); ++i)
-        sum += std::pow((unpack(pack8(baked[i])).area - truth[i].area) / (2 * kPi), 2);
+        sum += std::pow((unpack(pack8(baked[i])).area - truth[i].area) / (2 * pi), 2);
     const double rms = std::sqrt(sum / double(points.size()));
     std::printf("stored area at 256 rays: rms %.5f of the hemisphere over %zu vertices\n", rms, points.size());
     EXPECT_LE(rms, 0.010);
@@ -174,7 +174,7 @@ TEST(Lattice, IntegratesTheHemisphere) {
         ASSERT_EQ(lattice.size(), size_t(n));
         double z = 0;
         for (const glm::vec3& w : lattice) z += w.z;
-        EXPECT_NEAR(z * 2 * kPi / n, kPi, 1e-4);
+        EXPECT_NEAR(z * 2 * pi / n, pi, 1e-4);
     }
 }
 

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstring>
 #include <memory>
+#include <numbers>
 
 #include "bake/sampling/directions.h"
 #include "bake/measure/truth.h"
@@ -65,7 +66,7 @@ void BakeAgainstBareEmbree(benchmark::State& state) {
     std::vector<RTCRay16> packets;
     for (size_t i = 0; i < statue().points.size(); ++i) {
         const SurfacePoint& p = statue().points[i];
-        const glm::mat3 frame = frameFromZ(p.normal, 6.283185307179586 * hashUnit(1, i, 0));
+        const glm::mat3 frame = frameFromZ(p.normal, 2 * std::numbers::pi * hashUnit(1, i, 0));
         const glm::vec3 o = rayOrigin(statue().tracer, p);
         for (size_t k = 0; k < lattice.size(); k += 16) {
             RTCRay16& r = packets.emplace_back();

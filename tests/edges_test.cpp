@@ -10,7 +10,7 @@ std::vector<dvec3> directionsIn(const dvec3& axis, double radius, int n) {
     const dvec3 u = normalize(cross(axis, dvec3(0.3, 0.5, 0.81))), v = cross(axis, u);
     std::vector<dvec3> out;
     for (int i = 0; i < n; ++i) {
-        const double z = 1 - (1 - std::cos(radius)) * (i + 0.5) / n, s = std::sqrt(1 - z * z), turn = i * kPi * (3 - std::sqrt(5.0));
+        const double z = 1 - (1 - std::cos(radius)) * (i + 0.5) / n, s = std::sqrt(1 - z * z), turn = i * pi * (3 - std::sqrt(5.0));
         out.push_back(z * axis + s * (std::cos(turn) * u + std::sin(turn) * v));
     }
     return out;
@@ -20,7 +20,7 @@ TEST(Edges, CovarianceIsThatOfTwoPlanesOverTheLight) {
     Random random(71);
     double alongOnly = 0;
     for (int i = 0; i < 300; ++i) {
-        const double radius = random(0.02, kPi / 4);
+        const double radius = random(0.02, pi / 4);
         dvec3 axis = random.direction(), a = random.direction(), b = random.direction();
         if (i % 3 == 0) a = axis, b = normalize(axis + 0.1 * b);  // their edges lie along the light's own
         double sumA = 0, sumB = 0, squareA = 0, squareB = 0, product = 0;
@@ -47,14 +47,14 @@ TEST(Edges, MeansOfThreeAndFourFollowFromTheirPairs) {
     const int trials = 4000, samples = 500;
     for (int i = 0; i < trials; ++i) {
         double slope[4][2], offset[4], bend[4];
-        const double first = random(0, 2 * kPi);
+        const double first = random(0, 2 * pi);
         for (int k = 0; k < 4; ++k) {
-            const double turn = i % 2 ? random(0, 2 * kPi) : first + 0.5 * random(-1, 1) + (random() < 0.3 ? kPi : 0);
+            const double turn = i % 2 ? random(0, 2 * pi) : first + 0.5 * random(-1, 1) + (random() < 0.3 ? pi : 0);
             slope[k][0] = std::cos(turn), slope[k][1] = std::sin(turn), offset[k] = random(-1, 1), bend[k] = random(-0.5, 0.5);
         }
         double p[4]{}, pair[4][4]{}, all3 = 0, all4 = 0;
         for (int s = 0; s < samples; ++s) {
-            const double r = std::sqrt((s + 0.5) / samples), turn = s * kPi * (3 - std::sqrt(5.0)), x = r * std::cos(turn), y = r * std::sin(turn);
+            const double r = std::sqrt((s + 0.5) / samples), turn = s * pi * (3 - std::sqrt(5.0)), x = r * std::cos(turn), y = r * std::sin(turn);
             bool in[4];
             for (int k = 0; k < 4; ++k) in[k] = slope[k][0] * x + slope[k][1] * y + bend[k] * r * r >= offset[k];
             for (int k = 0; k < 4; ++k) {
@@ -100,7 +100,7 @@ TEST(Edges, CapsOneUponTheOtherCountOnce) {
     Random random(74);
     const dvec3 n(0, 0, 1);
     for (int i = 0; i < 300; ++i) {
-        const double light = random(3, 30) * kPi / 180, radius = light * random(0.5, 1), away = radius * random(0, 1.5);
+        const double light = random(3, 30) * pi / 180, radius = light * random(0.5, 1), away = radius * random(0, 1.5);
         const dvec3 l = normalize(dvec3(random(-0.3, 0.3), random(-0.3, 0.3), 1)), side = normalize(cross(l, random.direction()));
         const dvec3 axis = std::cos(away) * l + std::sin(away) * side;
         const double exact = exactFraction(n, {{axis, radius}, {l, light}}, light);
@@ -109,7 +109,7 @@ TEST(Edges, CapsOneUponTheOtherCountOnce) {
         for (int k = 0; k < 4; ++k) stored[size_t(k)] = vec4(vec3(axis), float(1 - std::cos(radius)));
         for (const char* name : {"multi-2", "multi-3", "multi-4"}) {
             const Model& model = *findModel(name);
-            const Receiver receiver = toReceiver({float(kPi) * vec3(n), float(2 * kPi)}, toParams(model, {}, &stored, vec3(n)), vec3(n));
+            const Receiver receiver = toReceiver({float(pi) * vec3(n), float(2 * pi)}, toParams(model, {}, &stored, vec3(n)), vec3(n));
             EXPECT_NEAR(normalised(irradianceThrough(model.id, receiver, cap, lightClassOf(cap.sinRadius)), light), exact, 0.05)
                 << name << ", light " << light << ", cap " << radius << ", away " << away;
         }
@@ -120,13 +120,13 @@ TEST(Edges, CapsOneUponTheOtherCountOnce) {
 TEST(Edges, NoLargeLightBringsMoreThanTheSky) {
     const vec3 n(0, 0, 1);
     const dvec3 axis = normalize(dvec3(0.3, 0, 1));
-    const double radius = kPi / 180, sky = kPi * std::pow(std::sin(radius), 2) * axis.z;  // of a cap above the horizon
-    const double area = 2 * kPi * (1 - std::cos(radius));
-    const Visibility v{vec3(axis * area * (1 - area / (4 * kPi))), float(area)};
+    const double radius = pi / 180, sky = pi * std::pow(std::sin(radius), 2) * axis.z;  // of a cap above the horizon
+    const double area = 2 * pi * (1 - std::cos(radius));
+    const Visibility v{vec3(axis * area * (1 - area / (4 * pi))), float(area)};
     const Receiver receiver = toReceiver(*findModel("soft"), v, n);
     for (const double light : {12.0, 30.0, 45.0})
         for (double away = 0; away < 90; away += 3) {
-            const CapLight cap = capLight(normalize(dvec3(std::sin(away * kPi / 180), 0, std::cos(away * kPi / 180))), light * kPi / 180);
+            const CapLight cap = capLight(normalize(dvec3(std::sin(away * pi / 180), 0, std::cos(away * pi / 180))), light * pi / 180);
             EXPECT_LE(irradianceThrough(MODEL_SOFT, receiver, cap, LIGHTS_ANY), 1.001 * sky) << light << " degrees, " << away << " away";
         }
 }

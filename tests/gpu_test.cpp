@@ -70,12 +70,12 @@ TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
             const double largest = lightClass == LIGHTS_ANY ? 45 : lightClass == LIGHTS_MEDIUM ? 10 : lightClass == LIGHTS_SMALL ? 3 : 0.6;
             for (int i = 0; i < (lightClass == LIGHTS_ANY && model.fromVisibility ? 100000 : 10000); ++i) {
                 const vec3 normal(random.direction());
-                const double area = 2 * kPi * random();
+                const double area = 2 * pi * random();
                 dvec3 d = random.direction();
                 if (dot(d, dvec3(normal)) < 0) d = -d;
-                const Visibility v{vec3(d * area * (1 - area / (4 * kPi)) * random()), float(area)};
+                const Visibility v{vec3(d * area * (1 - area / (4 * pi)) * random()), float(area)};
                 receivers.push_back(toReceiver(v, randomForm(model, v, normal, random), normal));
-                const double r = 0.27 * std::pow(largest / 0.27, random()) * kPi / 180;
+                const double r = 0.27 * std::pow(largest / 0.27, random()) * pi / 180;
                 Evaluation e{vec4(normal, 0), vec4(vec3(random.direction()), float(std::sin(r))), receivers.back().visibility, {}};
                 std::copy_n(receivers.back().params, MAX_SLOTS, e.params);
                 inputs.push_back(e);
@@ -100,7 +100,7 @@ TEST_F(GpuTest, DrawsAnOpenPlaneAsTheClosedFormSays) {
     plane.triangles = {{0, 2, 1}, {0, 3, 2}};
     asset.scene.surfaces = {plane};
     asset.scene.instances = {{0}};
-    asset.seen = {{std::vector<Visibility>(4, {{0, float(kPi), 0}, float(2 * kPi)}), {}}};
+    asset.seen = {{std::vector<Visibility>(4, {{0, float(pi), 0}, float(2 * pi)}), {}}};
     View view;
     view.width = view.height = 16;
     view.camera = {{0, 5, 0.01f}, {0, 0, 0}, 0.5f};
@@ -108,22 +108,22 @@ TEST_F(GpuTest, DrawsAnOpenPlaneAsTheClosedFormSays) {
     view.albedo = vec3(0.5f);
     Renderer renderer(*gpu, asset);
     // Eight lights at 60 degrees from the normal: each adds pi s^2 cos 60; the sky fills pi less that.
-    const double r = 0.02, e = kPi * std::sin(r) * std::sin(r) * 0.5;
+    const double r = 0.02, e = pi * std::sin(r) * std::sin(r) * 0.5;
     for (int i = 0; i < 8; ++i) {
-        const double turn = 2 * kPi * i / 8, s = std::sin(kPi / 3);
+        const double turn = 2 * pi * i / 8, s = std::sin(pi / 3);
         view.lights.push_back(directionalLight({s * std::cos(turn), 0.5, s * std::sin(turn)}, r, vec3(100)));
     }
     for (const Model& model : models()) {
         if (!model.fromVisibility || model.id == MODEL_OAT || model.id == MODEL_SH_L1) continue;  // not there, or wrong by their own lights
         const Picture picture = renderer.draw(view, model);
         for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(picture.pixels[8 * 16 + 8][c], 0.5 / kPi * (8 * e * 100 + (kPi - 8 * e) * view.sky[c]), 2e-3) << model.name;
+            EXPECT_NEAR(picture.pixels[8 * 16 + 8][c], 0.5 / pi * (8 * e * 100 + (pi - 8 * e) * view.sky[c]), 2e-3) << model.name;
     }
     // A sphere overhead, sin r = 1/4.
     view.lights = {sphereLight({0, 4, 0}, 1, vec3(2))};
-    const double own = kPi / 16;
+    const double own = pi / 16;
     const Picture lamp = renderer.draw(view, *findModel("aperture"));
-    EXPECT_NEAR(lamp.pixels[8 * 16 + 8].r, 0.5 / kPi * (own * 2 + (kPi - own) * 0.1), 2e-3);
+    EXPECT_NEAR(lamp.pixels[8 * 16 + 8].r, 0.5 / pi * (own * 2 + (pi - own) * 0.1), 2e-3);
 }
 
 TEST_F(GpuTest, ShowsWhatTheReferenceShows) {

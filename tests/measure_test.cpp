@@ -35,7 +35,7 @@ TEST(Truth, OfAnOpenLightIsTheClosedForm) {
     const SurfacePoint point{{0, 0, 0}, {0, 1, 0}};
     for (double degrees : {0.27, 5.0, 30.0})
         for (double elevation : {1.0, 20.0, 90.0}) {
-            const double r = degrees * kPi / 180, e = elevation * kPi / 180;
+            const double r = degrees * pi / 180, e = elevation * pi / 180;
             const dvec3 axis(std::cos(e), std::sin(e), 0);
             const TruthSample t = traceLight(tracer, point, glm::vec3(axis), r, 1024, 0.3);
             EXPECT_NEAR(t.mean(), exactFraction({0, 1, 0}, {{axis, r}}, r), 2e-3);

@@ -159,7 +159,7 @@ TEST(Models, HighBandsAreOrthonormal) {
     for (const dvec3& w : lattice) {
         const HighBands y = highBands(vec3(w));
         for (int a = 0; a < 21; ++a)
-            for (int b = 0; b <= a; ++b) products[a][b] += double(y.c[a / 4][a % 4]) * y.c[b / 4][b % 4] * 4 * kPi / 20000;
+            for (int b = 0; b <= a; ++b) products[a][b] += double(y.c[a / 4][a % 4]) * y.c[b / 4][b % 4] * 4 * pi / 20000;
     }
     for (int a = 0; a < 21; ++a)
         for (int b = 0; b <= a; ++b) EXPECT_NEAR(products[a][b], a == b, 2e-3) << a << " " << b;
@@ -182,7 +182,7 @@ TEST(Models, CapBlurIsTheMeanOverTheCap) {
 TEST(Models, AlphaHasAllFourNumbers) {
     Random random(53);
     for (int i = 0; i < 1000; ++i) {
-        const double r = random(0.1, 1.5), opacity = random(0.1, 1), area = 2 * kPi * (1 - std::cos(r)) * opacity;
+        const double r = random(0.1, 1.5), opacity = random(0.1, 1), area = 2 * pi * (1 - std::cos(r)) * opacity;
         const dvec3 axis = random.direction();
         const Visibility v{vec3(axis * area * (1 + std::cos(r)) / 2.0), float(area)};
         const ModelParams params = toParams(*findModel("alpha"), v, nullptr, kUp);

@@ -31,14 +31,14 @@ double underSphere(const glm::dvec3& centre, double radius, const std::vector<Su
     ReferenceOptions options;
     options.lightRays = 4096;
     const Picture picture = traceReference(Tracer(scene), view, options);
-    return kPi * picture.pixels[0].x;
+    return pi * picture.pixels[0].x;
 }
 
 TEST(Reference, ASphereOverAFloorIsTheClosedForm) {
     // Wholly above the horizon, a sphere of radius R at distance d gives E = pi L (R / d)^2 cos(theta).
-    EXPECT_NEAR(underSphere({0, 4, 0}, 1), kPi / 16, 2e-3 * kPi / 16);
-    EXPECT_NEAR(underSphere({0, 4, 0}, 3), kPi * 9 / 16, 2e-3 * kPi * 9 / 16);
-    EXPECT_NEAR(underSphere({3, 4, 0}, 1), kPi / 25 * 4 / 5, 2e-3 * kPi / 25);
+    EXPECT_NEAR(underSphere({0, 4, 0}, 1), pi / 16, 2e-3 * pi / 16);
+    EXPECT_NEAR(underSphere({0, 4, 0}, 3), pi * 9 / 16, 2e-3 * pi * 9 / 16);
+    EXPECT_NEAR(underSphere({3, 4, 0}, 1), pi / 25 * 4 / 5, 2e-3 * pi / 25);
 }
 
 TEST(Reference, WhatIsInsideALampDoesNotDarkenIt) {

@@ -135,8 +135,8 @@ TEST(RoundTrip, OddValuesComeOutAsTheyWere) {
     // The camera's roll of 178 degrees: what is up in its picture.
     const Scene back = readGltf(folder / "o.glb");
     ASSERT_TRUE(back.camera);
-    EXPECT_NEAR(back.camera->up.y, std::cos(178 * kPi / 180), 1e-5);
-    EXPECT_NEAR(back.camera->up.x, std::sin(178 * kPi / 180), 1e-5);
+    EXPECT_NEAR(back.camera->up.y, std::cos(178 * pi / 180), 1e-5);
+    EXPECT_NEAR(back.camera->up.x, std::sin(178 * pi / 180), 1e-5);
     const glm::vec3 top = rayThrough(*back.camera, 1, 0.5, 0), middle = rayThrough(*back.camera, 1, 0.5, 0.5);
     EXPECT_LT(top.y, middle.y) << "drawn upside down, as the file has it";
 }

@@ -22,6 +22,32 @@ double areaOf(const Scene& scene) {
     return sum;
 }
 
+// A turn or a reflection after a stretch along three axes that are at right angles.
+TEST(RotationPart, IsWhatStretchingLeaves) {
+    Random random(1);
+    const auto axes = [&] {
+        const glm::dvec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction()));
+        return glm::dmat3(x, y, glm::cross(x, y));
+    };
+    for (int i = 0; i < 1000; ++i) {
+        const glm::dmat3 rotation = i % 2 ? axes() : -axes(), along = axes();
+        const double size = std::pow(10, random(-12, 12));
+        glm::dmat3 stretch(0);
+        for (int c = 0; c < 3; ++c) stretch[c][c] = size * std::pow(10, random(-1, 1));
+        const glm::mat3 back = rotationPart(glm::mat4(glm::mat3(rotation * along * stretch * glm::transpose(along))));
+        for (int c = 0; c < 3; ++c) EXPECT_LT(glm::length(glm::dvec3(back[c]) - rotation[c]), 1e-5) << i;
+    }
+}
+
+TEST(RotationPart, OfAFlatTransformIsNone) {
+    glm::mat4 flat(1);
+    flat[0] = {0, 3, 0, 0};
+    flat[1] = {2, 0, 0, 0};
+    flat[2] = {0, 0, 0, 0};
+    EXPECT_EQ(rotationPart(flat), glm::mat3(1));
+    EXPECT_EQ(rotationPart(glm::mat4(0)), glm::mat3(1));
+}
+
 TEST(Gltf, StripsAndFansKeepTheirWinding) {
     const Folder folder;
     for (int mode : {5, 6}) {
@@ -141,7 +167,7 @@ TEST(Asset, HoldsDirectionsInTheFrameOfThePrimitive) {
     // A node that turns x to y: what is seen along world y is stored along x.
     const std::string nodes = R"({"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[3,3,3]})";
     const Scene scene = readGltf(folder.write("a.gltf", gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6})", nodes)));
-    const float area = 2, length = area * (1 - area / float(4 * kPi));
+    const float area = 2, length = area * (1 - area / float(4 * pi));
     const BakedVisibility given{{{{vec3(0, length, 0), area}, {}, {}, {}}, {}}};
     writeAsset(folder / "out.glb", scene, given, {});
     const Scene back = readGltf(folder / "out.glb");
@@ -149,7 +175,7 @@ TEST(Asset, HoldsDirectionsInTheFrameOfThePrimitive) {
     const auto stored = readAccessor(*back.document, primitive["attributes"]["_VISIBILITY"].get<size_t>(), 4);
     EXPECT_NEAR(stored[0], length / area, 0.005);
     EXPECT_NEAR(stored[1], 0, 0.005);
-    EXPECT_NEAR(stored[3], 2 * std::sqrt(area / (2 * kPi)) - 1, 0.005);
+    EXPECT_NEAR(stored[3], 2 * std::sqrt(area / (2 * pi)) - 1, 0.005);
     EXPECT_EQ(stored[7], -1);  // a closed point
 }
 

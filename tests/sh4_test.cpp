@@ -14,7 +14,7 @@ TEST(Sh4, BasisIsOrthonormal) {
     for (const dvec3& w : lattice) {
         const Sh4 y = shBasis(vec3(w));
         for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j) gram[i][j] += double(y.c[i]) * y.c[j] * 4 * kPi / double(lattice.size());
+            for (int j = 0; j < 4; ++j) gram[i][j] += double(y.c[i]) * y.c[j] * 4 * pi / double(lattice.size());
     }
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) EXPECT_NEAR(gram[i][j], i == j, 1e-5);
@@ -22,10 +22,10 @@ TEST(Sh4, BasisIsOrthonormal) {
 
 TEST(Sh4, SignsAndOrderAreAsStated) {
     // Index l (l + 1) + m, no Condon-Shortley sign: band 1 is (y, z, x), each growing along its axis.
-    EXPECT_NEAR(shBasis({0, 1, 0}).c[1], std::sqrt(3 / (4 * kPi)), 1e-7);
-    EXPECT_NEAR(shBasis({0, 0, 1}).c[2], std::sqrt(3 / (4 * kPi)), 1e-7);
-    EXPECT_NEAR(shBasis({1, 0, 0}).c[3], std::sqrt(3 / (4 * kPi)), 1e-7);
-    EXPECT_NEAR(shBasis({1, 0, 0}).c[0], 1 / std::sqrt(4 * kPi), 1e-7);
+    EXPECT_NEAR(shBasis({0, 1, 0}).c[1], std::sqrt(3 / (4 * pi)), 1e-7);
+    EXPECT_NEAR(shBasis({0, 0, 1}).c[2], std::sqrt(3 / (4 * pi)), 1e-7);
+    EXPECT_NEAR(shBasis({1, 0, 0}).c[3], std::sqrt(3 / (4 * pi)), 1e-7);
+    EXPECT_NEAR(shBasis({1, 0, 0}).c[0], 1 / std::sqrt(4 * pi), 1e-7);
 }
 
 TEST(Sh4, ProjectionOfACapMatchesTheClosedForm) {
@@ -38,9 +38,9 @@ TEST(Sh4, ProjectionOfACapMatchesTheClosedForm) {
         std::vector<vec3> open;
         for (const dvec3& w : lattice)
             if (dot(w, axis) >= std::cos(r)) open.emplace_back(w);
-        const Visibility v = toVisibility(project(open, 4 * kPi / n));
-        EXPECT_NEAR(v.area, 4 * kPi * std::pow(std::sin(r / 2), 2), 2e-3);
-        EXPECT_LT(length(dvec3(v.direction) - kPi * std::pow(std::sin(r), 2) * axis), 2e-3);
+        const Visibility v = toVisibility(project(open, 4 * pi / n));
+        EXPECT_NEAR(v.area, 4 * pi * std::pow(std::sin(r / 2), 2), 2e-3);
+        EXPECT_LT(length(dvec3(v.direction) - pi * std::pow(std::sin(r), 2) * axis), 2e-3);
     }
 }
 
@@ -51,8 +51,8 @@ TEST(Sh4, HoldsTheSameAsAreaAndDirection) {
 }
 
 Visibility randomVisibility(Random& random) {
-    const double area = 2 * kPi * std::pow(random(), 2), share = std::sqrt(random());
-    return {vec3(random.direction() * area * (1 - area / (4 * kPi)) * share), float(area)};
+    const double area = 2 * pi * std::pow(random(), 2), share = std::sqrt(random());
+    return {vec3(random.direction() * area * (1 - area / (4 * pi)) * share), float(area)};
 }
 
 template <typename Packed>
@@ -62,9 +62,9 @@ void holdsItsBounds(Packed (*pack)(const Visibility&), int bits) {
     double area = 0, direction = 0;
     for (int i = 0; i < 500000; ++i) {
         const Visibility v = randomVisibility(random), back = unpack(pack(v));
-        area = std::max(area, std::abs(back.area - v.area) / (2 * kPi));
+        area = std::max(area, std::abs(back.area - v.area) / (2 * pi));
         if (back.area == 0) {
-            EXPECT_LE(v.area / (2 * kPi), bound.closed * 1.0001);
+            EXPECT_LE(v.area / (2 * pi), bound.closed * 1.0001);
             continue;
         }
         direction = std::max(direction, double(length(back.direction / back.area - v.direction / v.area)));
@@ -81,14 +81,14 @@ TEST(Packing, SixteenBitsHoldTheirBounds) { holdsItsBounds<Packed16>(pack16, 16)
 TEST(Packing, IsWhatTheAssetSays) {
     // x, y, z = D / A, w = 2 sqrt(A / 2 pi) - 1.
     EXPECT_EQ(pack8({}), (Packed8{0, 0, 0, -127}));
-    EXPECT_EQ(pack8({vec3(0, 0, float(kPi)), float(2 * kPi)}), (Packed8{0, 0, 64, 127}));
-    EXPECT_EQ(pack16({vec3(0), float(kPi / 2)}), (Packed16{0, 0, 0, 0}));
+    EXPECT_EQ(pack8({vec3(0, 0, float(pi)), float(2 * pi)}), (Packed8{0, 0, 64, 127}));
+    EXPECT_EQ(pack16({vec3(0), float(pi / 2)}), (Packed16{0, 0, 0, 0}));
 }
 
 TEST(Packing, EveryPatternIsAPossibleVisibility) {
     Random random(9);
     auto possible = [](const Visibility& v) {
-        return v.area >= 0 && v.area <= float(2 * kPi) && length(v.direction) <= v.area * (1 - v.area / (4 * kPi)) * 1.00001;
+        return v.area >= 0 && v.area <= float(2 * pi) && length(v.direction) <= v.area * (1 - v.area / (4 * pi)) * 1.00001;
     };
     for (int i = 0; i < 1 << 22; ++i) {
         const uint64_t bits = random.engine();

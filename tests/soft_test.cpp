@@ -25,16 +25,16 @@ Integrals overHemisphere(const dvec3& normal, const dvec3& slope, double offset)
         out.area += v;
         out.direction += v * w;
     }
-    out.area *= 4 * kPi / double(lattice.size());
-    out.direction *= 4 * kPi / double(lattice.size());
+    out.area *= 4 * pi / double(lattice.size());
+    out.direction *= 4 * pi / double(lattice.size());
     return out;
 }
 
 TEST(SoftSolve, HasTheIntegralsItWasAskedFor) {
     Random random(21);
     for (int trial = 0; trial < 12; ++trial) {
-        const double area = 2 * kPi * random(0.02, 0.98), psi = random(0, kPi), rho = random(0, 0.95);
-        const double reach = rho * area / 2 * (1 - area / (2 * kPi));  // inside the boundary, which is 1 or more
+        const double area = 2 * pi * random(0.02, 0.98), psi = random(0, pi), rho = random(0, 0.95);
+        const double reach = rho * area / 2 * (1 - area / (2 * pi));  // inside the boundary, which is 1 or more
         const SoftSolution s = solveSoft({area, area / 2 + reach * std::cos(psi), reach * std::sin(psi)});
         const Integrals i = overHemisphere({0, 0, 1}, {s.t, 0, s.n}, s.offset);
         EXPECT_NEAR(i.area, area, 2e-4);
@@ -46,8 +46,8 @@ TEST(SoftSolve, HasTheIntegralsItWasAskedFor) {
 TEST(SoftSolve, BoundaryIsWhereHardHalfSpacesLie) {
     // Straight up and straight down it is 1 by its unit; half of the hemisphere on one side, lying: D = pi/2 (n + t).
     EXPECT_NEAR(HardBoundary(1.0)(0), 1, 1e-6);
-    EXPECT_NEAR(HardBoundary(1.0)(kPi), 1, 1e-6);
-    EXPECT_NEAR(HardBoundary(kPi)(kPi / 2), 2, 1e-3);
+    EXPECT_NEAR(HardBoundary(1.0)(pi), 1, 1e-6);
+    EXPECT_NEAR(HardBoundary(pi)(pi / 2), 2, 1e-3);
 }
 
 TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
@@ -66,7 +66,7 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
         for (size_t i = 0; i < points.size(); ++i) {
             const vec3 n = points[i].normal;
             const Visibility& v = visibility[i].visibility;
-            const double open = v.area / (2 * kPi);
+            const double open = v.area / (2 * pi);
             if (open < 1e-3 || open > 0.999) continue;
             const double dn = dot(v.direction, n);
             const vec3 across = v.direction - float(dn) * n;
@@ -77,7 +77,7 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
             for (int k = 0; k < 40; ++k) {
                 dvec3 l = random.direction();
                 if (dot(l, dvec3(n)) < 0) l = -l;
-                const double r = 0.27 * std::pow(45 / 0.27, random()) * kPi / 180;
+                const double r = 0.27 * std::pow(45 / 0.27, random()) * pi / 180;
                 const CapLight light = capLight(l, r);
                 const double e = normalised(irradianceThroughSoft(n, table, light, LIGHTS_ANY) - irradianceThroughSoft(n, full, light, LIGHTS_ANY), r);
                 sum += e * e;
@@ -98,15 +98,15 @@ TEST(Soft, CapsAsSoftAsTheyAreDrawnKeepTheirArea) {
     const vec3 n(0, 0, 1);
     for (const double tilt : {0.0, 0.2, 0.9})
         for (const double open : {0.0006, 0.002, 0.01, 0.1, 0.9, 0.99, 0.998, 0.9994}) {
-            const double area = 2 * kPi * std::min(open, 1 - open);
-            const vec3 direction = vec3(dvec3(std::sin(tilt), 0, std::cos(tilt)) * area * (1 - area / (4 * kPi)));
+            const double area = 2 * pi * std::min(open, 1 - open);
+            const vec3 direction = vec3(dvec3(std::sin(tilt), 0, std::cos(tilt)) * area * (1 - area / (4 * pi)));
             // A cap or, over a half, what a cap leaves of the hemisphere.
-            const Visibility v = open <= 0.5 ? Visibility{direction, float(area)} : Visibility{float(kPi) * n - direction, float(2 * kPi - area)};
+            const Visibility v = open <= 0.5 ? Visibility{direction, float(area)} : Visibility{float(pi) * n - direction, float(2 * pi - area)};
             const vec4 lobe = toParams(soft, v, nullptr, n)[0];
             EXPECT_LE(length(vec3(lobe)) + std::abs(lobe.w), 250.01f) << open;
             const SoftAperture solved = toSoft(v, n);
             const double before = overHemisphere(n, dvec3(solved.slope), solved.offset).area, after = overHemisphere(n, dvec3(vec3(lobe)), lobe.w).area;
-            const double smaller = std::min(before, 2 * kPi - before);
+            const double smaller = std::min(before, 2 * pi - before);
             EXPECT_NEAR(after, before, 0.08 * smaller) << open << ", tilt " << tilt;
         }
 }
@@ -119,25 +119,25 @@ TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
     const int trials = 3000, rings = 24, turns = 48;
     const dvec3 n(0, 0, 1);
     for (int i = 0; i < trials; ++i) {
-        const double area = 2 * kPi * random(0.05, 0.95);
+        const double area = 2 * pi * random(0.05, 0.95);
         dvec3 d = random.direction();
         d.z = std::abs(d.z);
-        const Visibility v{vec3(d * area * (1 - area / (4 * kPi)) * std::sqrt(random())), float(area)};
+        const Visibility v{vec3(d * area * (1 - area / (4 * pi)) * std::sqrt(random())), float(area)};
         const SoftAperture soft = toSoft(v, vec3(n));
         dvec3 axis = random.direction();
         axis.z = std::abs(axis.z) - 0.1;
         axis = normalize(axis);
-        const double r = 0.27 * std::pow(45 / 0.27, random()) * kPi / 180, height = 1 - std::cos(r);
+        const double r = 0.27 * std::pow(45 / 0.27, random()) * pi / 180, height = 1 - std::cos(r);
         const dvec3 u = normalize(cross(axis, dvec3(0.3, 0.5, 0.81))), w = cross(axis, u);
         double e = 0;
         for (int a = 0; a < rings; ++a)
             for (int b = 0; b < turns; ++b) {
-                const double h = height * (a + 0.5) / rings, s = std::sqrt(h * (2 - h)), turn = 2 * kPi * (b + 0.5 * (a % 2)) / turns;
+                const double h = height * (a + 0.5) / rings, s = std::sqrt(h * (2 - h)), turn = 2 * pi * (b + 0.5 * (a % 2)) / turns;
                 const dvec3 l = (1 - h) * axis + s * (std::cos(turn) * u + std::sin(turn) * w);
                 const double f = soft.offset + dot(dvec3(soft.slope), l);
                 e += std::max(l.z, 0.0) * softStepExact(f);
             }
-        e *= 2 * kPi * height / (rings * turns) / (kPi * std::sin(r) * std::sin(r));
+        e *= 2 * pi * height / (rings * turns) / (pi * std::sin(r) * std::sin(r));
         const double error = normalised(irradianceThroughSoft(vec3(n), soft, capLight(axis, r), LIGHTS_ANY), r) - e;
         sum += error * error;
         worst = std::max(worst, std::abs(error));
@@ -161,11 +161,11 @@ TEST(Lobes, LightThroughTwoIsTheIntegralOfTheirProduct) {
     double sum = 0, plain = 0;
     const int trials = 1500, rings = 24, turns = 48;
     for (int i = 0; i < trials; ++i) {
-        const double r = 1 * std::pow(45.0, random()) * kPi / 180, z = random(std::sin(r), 1), height = 1 - std::cos(r);
+        const double r = 1 * std::pow(45.0, random()) * pi / 180, z = random(std::sin(r), 1), height = 1 - std::cos(r);
         const dvec3 axis(std::sqrt(1 - z * z), 0, z), u = normalize(cross(axis, dvec3(0.3, 0.5, 0.81))), w = cross(axis, u);
         dvec3 slopes[2]{random.direction(), random.direction()};
         if (i % 2) slopes[1] = normalize((random() < 0.5 ? 1.0 : -1.0) * slopes[0] + 0.3 * slopes[1]);
-        Receiver receiver{vec3(n), vec4(float(kPi) * vec3(n), float(2 * kPi)), {}};
+        Receiver receiver{vec3(n), vec4(float(pi) * vec3(n), float(2 * pi)), {}};
         double offsets[2];
         for (int k = 0; k < 2; ++k) {
             slopes[k] *= 3 * std::pow(80, random());
@@ -176,7 +176,7 @@ TEST(Lobes, LightThroughTwoIsTheIntegralOfTheirProduct) {
         double both = 0, each[2]{}, all = 0;
         for (int a = 0; a < rings; ++a)
             for (int b = 0; b < turns; ++b) {
-                const double h = height * (a + 0.5) / rings, s = std::sqrt(h * (2 - h)), turn = 2 * kPi * (b + 0.5 * (a % 2)) / turns;
+                const double h = height * (a + 0.5) / rings, s = std::sqrt(h * (2 - h)), turn = 2 * pi * (b + 0.5 * (a % 2)) / turns;
                 const dvec3 l = (1 - h) * axis + s * (std::cos(turn) * u + std::sin(turn) * w);
                 const double first = softStepExact(offsets[0] + dot(slopes[0], l)), second = softStepExact(offsets[1] + dot(slopes[1], l));
                 all += l.z, both += l.z * first * second, each[0] += l.z * first, each[1] += l.z * second;
@@ -194,11 +194,11 @@ TEST(Lobes, LightThroughTwoIsTheIntegralOfTheirProduct) {
 TEST(Lobes, TheSameTwiceIsOne) {
     Random random(62);
     for (int i = 0; i < 1000; ++i) {
-        Receiver receiver{vec3(0, 0, 1), vec4(0, 0, float(kPi), float(2 * kPi)), {}};
+        Receiver receiver{vec3(0, 0, 1), vec4(0, 0, float(pi), float(2 * pi)), {}};
         const float sharp = float(random(150, 240));  // soft ones are not the same twice
         for (int k = 0; k < 4; ++k) receiver.params[k] = vec4(sharp * vec3(0, 1, 0), 0.0f);
         receiver.params[4] = vec4(0);
-        const double r = random(5, 10) * kPi / 180;
+        const double r = random(5, 10) * pi / 180;
         const CapLight light = capLight(normalize(dvec3(0.2, random(-0.15, 0.15), 1)), r);
         const int lightClass = lightClassOf(light.sinRadius);
         Receiver two = receiver, three = receiver, one = receiver;
@@ -219,7 +219,7 @@ TEST(Soft, IsFiniteAndInRangeForAnything) {
         const vec3 n(normalize(random.direction()));
         const Visibility v{vec3(random.direction() * area * random(0, 1.5)), float(area)};
         const SoftAperture soft = toSoft(v, n);
-        const CapLight light = capLight(random.direction(), random(1e-4, kPi / 2));
+        const CapLight light = capLight(random.direction(), random(1e-4, pi / 2));
         const float e = irradianceThroughSoft(n, soft, light, LIGHTS_ANY);
         ASSERT_TRUE(std::isfinite(soft.offset) && std::isfinite(length(soft.slope)));
         ASSERT_TRUE(e >= 0 && e <= 1.001f * irradianceAboveHorizon(n, light) + 1e-12f);
@@ -228,7 +228,7 @@ TEST(Soft, IsFiniteAndInRangeForAnything) {
 
 TEST(Soft, OfAnEvenHazeIsTheHaze) {
     const vec3 n(0, 1, 0);
-    const SoftAperture soft = toSoft({float(kPi) * 0.3f * n, float(2 * kPi) * 0.3f}, n);
+    const SoftAperture soft = toSoft({float(pi) * 0.3f * n, float(2 * pi) * 0.3f}, n);
     EXPECT_LT(length(soft.slope), 0.02f);
     const CapLight light = capLight(normalize(dvec3(1, 1, 0)), 0.1);
     EXPECT_NEAR(irradianceThroughSoft(n, soft, light, LIGHTS_ANY) / irradianceAboveHorizon(n, light), 0.3, 0.003);

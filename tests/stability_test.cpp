@@ -154,7 +154,7 @@ TEST(Stability, EveryPackedValueIsPossible) {
         const Visibility v = unpack(bytes);
         const float length = glm::length(v.direction);
         ++checked;
-        return v.area >= 0 && v.area <= float(2 * kPi) && length <= v.area * (1 - v.area / float(4 * kPi)) * 1.00001f + 1e-12f && std::isfinite(length);
+        return v.area >= 0 && v.area <= float(2 * pi) && length <= v.area * (1 - v.area / float(4 * pi)) * 1.00001f + 1e-12f && std::isfinite(length);
     };
     // All of D / A with one A, and some of it with all; or everything.
     for (int w = -128; w < 128; ++w) {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <glm/glm.hpp>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@
 
 namespace apertura::test {
 
-inline constexpr double kPi = 3.14159265358979323846;
+using std::numbers::pi;
 
 struct Random {
     std::mt19937_64 engine;
@@ -23,7 +24,7 @@ struct Random {
     double operator()() { return std::uniform_real_distribution<double>(0, 1)(engine); }
     double operator()(double low, double high) { return low + (high - low) * (*this)(); }
     glm::dvec3 direction() {
-        const double z = (*this)(-1, 1), turn = (*this)(0, 2 * kPi), s = std::sqrt(1 - z * z);
+        const double z = (*this)(-1, 1), turn = (*this)(0, 2 * pi), s = std::sqrt(1 - z * z);
         return {s * std::cos(turn), s * std::sin(turn), z};
     }
 };
@@ -32,7 +33,7 @@ struct Random {
 inline std::vector<glm::dvec3> sphereLattice(int n) {
     std::vector<glm::dvec3> out;
     for (int i = 0; i < n; ++i) {
-        const double z = 1 - 2 * (i + 0.5) / n, s = std::sqrt(1 - z * z), turn = i * kPi * (3 - std::sqrt(5.0));
+        const double z = 1 - 2 * (i + 0.5) / n, s = std::sqrt(1 - z * z), turn = i * pi * (3 - std::sqrt(5.0));
         out.emplace_back(s * std::cos(turn), s * std::sin(turn), z);
     }
     return out;
@@ -48,10 +49,10 @@ inline Aperture capAperture(const glm::dvec3& axis, double radius) {
 }
 
 // E / (pi sin^2 r) of a cap light, in float32, and exactly.
-inline double normalised(float e, double radius) { return e / (kPi * std::sin(radius) * std::sin(radius)); }
+inline double normalised(float e, double radius) { return e / (pi * std::sin(radius) * std::sin(radius)); }
 inline double exactFraction(const glm::dvec3& normal, std::vector<ExactCap> caps, double lightRadius) {
-    caps.push_back({normal, kPi / 2});
-    return glm::dot(normal, vectorIrradiance(caps)) / (kPi * std::sin(lightRadius) * std::sin(lightRadius));
+    caps.push_back({normal, pi / 2});
+    return glm::dot(normal, vectorIrradiance(caps)) / (pi * std::sin(lightRadius) * std::sin(lightRadius));
 }
 
 // The folder of real scenes beside the checkout, or nothing.

@@ -24,7 +24,7 @@ struct Baked {
     MeshIssues issues;
     std::vector<double> open(size_t instance = 0) const {  // shares of the hemisphere
         std::vector<double> out;
-        for (const Visibility& v : visibility[instance].visibility) out.push_back(v.area / (2 * kPi));
+        for (const Visibility& v : visibility[instance].visibility) out.push_back(v.area / (2 * pi));
         return out;
     }
 };
@@ -96,7 +96,7 @@ TEST(Vertices, CloseUpOfAHugeSceneIsNotLiftedOffIt) {
     int seen = 0;
     for (size_t v = 0; v < floor.positions.size(); ++v) {
         if (floor.positions[v].x > 0 || std::abs(floor.positions[v].z) > 0.02f) continue;
-        EXPECT_NEAR(baked[2].visibility[v].area / (2 * kPi), 0.5, 0.02);  // at the wall's foot
+        EXPECT_NEAR(baked[2].visibility[v].area / (2 * pi), 0.5, 0.02);  // at the wall's foot
         ++seen;
     }
     EXPECT_GE(seen, 3);
@@ -211,7 +211,7 @@ TEST(Vertices, SteepSheetsWithUprightNormalsAreNotInsideThemselves) {
         for (glm::vec3& n : sheet.normals) n = glm::vec3(0, 1, 0);
         const Baked baked = bake(sceneOf({sheet}));
         EXPECT_EQ(baked.issues.moved + baked.issues.insideSolids + baked.issues.normalsBehind, 0u) << slope;
-        const double expected = 1 - std::atan(slope) / kPi;  // what rises of the sheet is a lune of the hemisphere
+        const double expected = 1 - std::atan(slope) / pi;  // what rises of the sheet is a lune of the hemisphere
         for (const double open : baked.open()) {
             EXPECT_GE(open, expected - 0.03) << slope;
             EXPECT_LE(open, 1.0001) << slope;

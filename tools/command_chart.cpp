@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "bake/fit/bake.h"
@@ -159,7 +160,7 @@ std::string toCsv(const std::vector<Measurement>& all, const Costs& costs, const
             if (r.source == "rays" && findModel(r.model)->fromVisibility) continue;  // the same as from sh
             out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << r.numbers << ',' << r.bytes << ',' << r.lightRadius << ','
                 << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise << ',' << r.ambient << ',' << r.leakMax << ',' << r.leak99;
-            const std::pair key(findModel(r.model)->id, lightClassOf(float(std::sin(r.lightRadius * PI / 180))));
+            const std::pair key(findModel(r.model)->id, lightClassOf(float(std::sin(r.lightRadius * std::numbers::pi / 180))));
             for (const char* family : kFamilies) {
                 out << ',';
                 if (costs.cycles.contains(family)) out << costs.cycles.at(family).at(key);

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "runtime/asset/asset.h"
 #include "runtime/asset/params_stream.h"
@@ -43,7 +44,7 @@ nlohmann::ordered_json describe(const std::string& file) {
         for (const Visibility& v : seen.visibility) {
             ++vertices;
             closed += v.area <= 0;
-            area += v.area / (2 * PI);
+            area += v.area / (2 * std::numbers::pi);
             cap += capness(v);
         }
     const PackingError error = packingError(asset.info.bits);
@@ -65,8 +66,8 @@ nlohmann::ordered_json describe(const std::string& file) {
             {"error_bounds",
              {{"area_of_hemisphere", error.area},
               {"direction", error.direction},
-              {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / PI},
-              {"radius_degrees", error.radius * 180 / PI}}}};
+              {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / std::numbers::pi},
+              {"radius_degrees", error.radius * 180 / std::numbers::pi}}}};
     if (asset.info.model == "auto") out["auto"] = describeChoices(asset);
     return out;
 }

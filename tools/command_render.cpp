@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <glm/gtc/color_space.hpp>
 #include <numbers>
 
 #include "bake/measure/reference.h"
@@ -30,12 +31,7 @@ glm::vec3 parseColour(const std::string& text) {
     if (text.size() != 6 || text.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
         throw CLI::ValidationError("--sky: '" + text + "' is not a colour RRGGBB");
     const unsigned long value = std::stoul(text, nullptr, 16);
-    glm::vec3 out;
-    for (int c = 0; c < 3; ++c) {
-        const double s = double(value >> (16 - 8 * c) & 255) / 255;
-        out[c] = float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-    }
-    return out;
+    return glm::convertSRGBToLinear(glm::dvec3(value >> 16 & 255, value >> 8 & 255, value & 255) / 255.0);
 }
 
 Camera parseCamera(const std::string& text, const Camera& fallback) {

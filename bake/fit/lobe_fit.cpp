@@ -1,5 +1,7 @@
 #include "bake/fit/lobe_fit.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -20,40 +22,17 @@ constexpr float kSlopeLimit = M == 4 ? 500 : 60;
 constexpr float kFirstSharpness = 30;  // of lobes and caps on their way to a hard edge
 constexpr double kSlopeCost = 1e-10;  // keeps lobes that nothing in the samples bounds from running away
 
-// Solves A x = b by Cholesky's method, from A's lower half; false where A is not positive definite.
-template <int N>
-bool solve(std::array<std::array<double, N>, N>& a, std::array<double, N>& b) {
-    for (int i = 0; i < N; ++i) {
-        for (int j = 0; j <= i; ++j) {
-            double sum = a[i][j];
-            for (int k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
-            if (i == j) {
-                if (!(sum > 1e-14)) return false;
-                a[i][i] = std::sqrt(sum);
-            } else {
-                a[i][j] = sum / a[j][j];
-            }
-        }
-    }
-    for (int i = 0; i < N; ++i) {
-        for (int k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
-        b[i] /= a[i][i];
-    }
-    for (int i = N - 1; i >= 0; --i) {
-        for (int k = i + 1; k < N; ++k) b[i] -= a[k][i] * b[k];
-        b[i] /= a[i][i];
-    }
-    return true;
-}
+// A column a lobe: its offset, then its slope or more.
+template <typename T, int M, int K>
+using Lobes = Eigen::Matrix<T, M, K>;
 
 // K lobes of M parameters, each a coefficient of a feature; Hard: slopes of a given length; L pairs, as sumLobes.
 template <int K, int M, bool Hard, int L>
 struct Fitter {
-    static constexpr int N = K * M;  // parameters
     static constexpr int kColumns = LobeSums<K, M, Hard>::kColumns, kFree = K * kColumns;
-    using Parameters = std::array<float, N>;
-    using Vector = std::array<double, kFree>;
-    using Matrix = std::array<Vector, kFree>;
+    using Parameters = Lobes<float, M, K>;
+    using Vector = Eigen::Matrix<double, kFree, 1>;
+    using Matrix = Eigen::Matrix<double, kFree, kFree>;
 
     const SampleLattice& lattice;
     const float* open;
@@ -63,7 +42,7 @@ struct Fitter {
     struct Sums {
         double cost = 0, error = 0;
         Vector gradient;
-        Matrix hessian;  // Gauss and Newton's, the lower half
+        Matrix hessian;  // of Gauss–Newton, the lower half
         glm::vec3 tangents[2 * K];
     };
 
@@ -74,7 +53,7 @@ struct Fitter {
         Sums out;
         if constexpr (Hard)
             for (int k = 0; k < K; ++k) {
-                const glm::vec3 axis = glm::normalize(glm::vec3(p[k * M + 1], p[k * M + 2], p[k * M + 3]));
+                const glm::vec3 axis = glm::normalize(glm::vec3(p(1, k), p(2, k), p(3, k)));
                 out.tangents[2 * k] = tangentTo(axis);
                 out.tangents[2 * k + 1] = glm::cross(axis, out.tangents[2 * k]);
             }
@@ -85,66 +64,61 @@ struct Fitter {
         const double tilt = sums.sums[kFree];
         out.error = sums.products[kFree][kFree] * scale;
         out.cost = out.error + pull * tilt * tilt;
-        for (int i = 0; i < N; ++i)
-            if (!Hard && i % M != 0) out.cost += kSlopeCost * p[i] * p[i];
+        const auto slopes = p.template bottomRows<M - 1>().template cast<double>();
+        if (!Hard) out.cost += kSlopeCost * slopes.squaredNorm();
         if (!derivatives) return out;
         for (int i = 0; i < kFree; ++i) {
             out.gradient[i] = sums.products[kFree][i] * scale + pull * tilt * sums.sums[i];
-            for (int j = 0; j <= i; ++j) out.hessian[i][j] = sums.products[i][j] * scale + pull * sums.sums[i] * sums.sums[j];
-            if (!Hard && i % M != 0) {
-                out.gradient[i] += kSlopeCost * p[i];
-                out.hessian[i][i] += kSlopeCost;
-            }
+            for (int j = 0; j <= i; ++j) out.hessian(i, j) = sums.products[i][j] * scale + pull * sums.sums[i] * sums.sums[j];
+        }
+        if constexpr (!Hard) {
+            out.gradient.reshaped(Eigen::fix<M>, Eigen::fix<K>).template bottomRows<M - 1>() += kSlopeCost * slopes;
+            for (int i = 0; i < kFree; ++i)
+                if (i % M != 0) out.hessian(i, i) += kSlopeCost;
         }
         return out;
     }
 
     // The step of the damped normal equations, as a change of the parameters.
-    bool step(const Sums& at, double damping, std::array<double, N>& out) const {
+    bool step(const Sums& at, double damping, Lobes<double, M, K>& out) const {
         Matrix a = at.hessian;
-        Vector b;
-        for (int i = 0; i < kFree; ++i) {
-            b[i] = -at.gradient[i];
-            a[i][i] += damping * a[i][i] + 1e-9;
-        }
-        if (!solve<kFree>(a, b)) return false;
+        a.diagonal().array() += damping * a.diagonal().array() + 1e-9;
+        const Eigen::LLT<Matrix> factors(a);
+        if (factors.info() != Eigen::Success) return false;
+        const Vector b = factors.solve(-at.gradient);
         if constexpr (Hard) {
             for (int k = 0; k < K; ++k) {
-                out[k * M] = b[k * 3];
-                for (int c = 0; c < 3; ++c) out[k * M + 1 + c] = b[k * 3 + 1] * at.tangents[2 * k][c] + b[k * 3 + 2] * at.tangents[2 * k + 1][c];
+                const Eigen::Map<const Eigen::Matrix<float, 3, 2>> tangents(&at.tangents[2 * k].x);
+                out.col(k) << b[k * 3], tangents.template cast<double>() * b.template segment<2>(k * 3 + 1);
             }
         } else {
-            out = b;
+            out = b.reshaped(Eigen::fix<M>, Eigen::fix<K>);
         }
         return true;
     }
 
     void normalise(Parameters& p) const {
-        for (int k = 0; k < K; ++k) {
-            float squared = 0;
-            for (int m = 1; m < M; ++m) squared += p[k * M + m] * p[k * M + m];
-            float scale = std::min(1.0f, kSlopeLimit<M> / std::sqrt(std::max(squared, 1e-12f)));
-            if (Hard) scale = options.sharpness / std::sqrt(std::max(squared, 1e-12f));
-            for (int m = 1; m < M; ++m) p[k * M + m] *= scale;
-            p[k * M] = std::clamp(p[k * M] * scale, -3 * kSlopeLimit<M>, 3 * kSlopeLimit<M>);
+        for (auto lobe : p.colwise()) {
+            const float length = std::max(lobe.template tail<M - 1>().norm(), 1e-6f);
+            lobe *= Hard ? options.sharpness / length : std::min(1.0f, kSlopeLimit<M> / length);
+            lobe[0] = std::clamp(lobe[0], -3 * kSlopeLimit<M>, 3 * kSlopeLimit<M>);
         }
     }
 
-    // Levenberg and Marquardt from `p`.
+    // Levenberg–Marquardt from `p`.
     Sums descend(Parameters& p, int steps) const {
         normalise(p);
         Sums now = evaluate(p, true);
         double damping = 1e-2;
         for (int i = 0; i < steps; ++i) {
-            std::array<double, N> move;
+            Lobes<double, M, K> move;
             if (!step(now, damping, move)) break;
             Parameters q = p;
             for (int k = 0; k < K; ++k) {
                 // No further in one step than the lobe is long.
-                double length = 0, moved = 0;
-                for (int m = 0; m < M; ++m) length += double(p[k * M + m]) * p[k * M + m], moved += move[k * M + m] * move[k * M + m];
-                const double scale = std::min(1.0, (4 + std::sqrt(length)) / std::sqrt(std::max(moved, 1e-30)));
-                for (int m = 0; m < M; ++m) q[k * M + m] += float(scale * move[k * M + m]);
+                const double length = p.col(k).template cast<double>().norm(), moved = move.col(k).norm();
+                const double scale = std::min(1.0, (4 + length) / std::max(moved, 1e-15));
+                q.col(k) += (scale * move.col(k)).template cast<float>();
             }
             normalise(q);
             const Sums next = evaluate(q, true);
@@ -170,7 +144,7 @@ struct Fitter {
         for (int k = 0; k < K; ++k)
             for (const float times : {2.0f, 5.0f}) {
                 Parameters q = p;
-                for (int m = 0; m < M; ++m) q[k * M + m] *= times;
+                q.col(k) *= times;
                 normalise(q);
                 if (const Sums there = evaluate(q, false); there.cost < now.cost) {
                     now.cost = there.cost;
@@ -181,6 +155,12 @@ struct Fitter {
         return sharpened ? descend(p, steps) : evaluate(p, false);
     }
 };
+
+// Eigenvalues in rising order and unit eigenvectors.
+template <typename Matrix>
+auto principalAxes(const Matrix& symmetric) {
+    return Eigen::SelfAdjointEigenSolver<typename Matrix::PlainObject>().computeDirect(symmetric);
+}
 
 using Arrangement = std::vector<CapDictionary::Cap>;  // caps whose intersection is meant
 
@@ -226,12 +206,8 @@ std::vector<Cluster> clusters(const Samples& samples, bool complement, int count
         auto size = [&](size_t c) { return spread[c][0][0] + spread[c][1][1] + spread[c][2][2]; };
         for (size_t c = 1; c < centre.size(); ++c)
             if (size(c) > size(widest)) widest = c;
-        glm::vec3 axis(0.5f, 0.62f, 0.6f);
-        for (int n = 0; n < 12; ++n) {
-            const glm::vec3 next = spread[widest] * axis;
-            if (!(glm::length(next) > 1e-12f)) break;
-            axis = glm::normalize(next);
-        }
+        const Eigen::Vector3f longest = principalAxes(Eigen::Map<const Eigen::Matrix3f>(&spread[widest][0].x)).eigenvectors().col(2);
+        const glm::vec3 axis(longest.x(), longest.y(), longest.z());
         for (size_t i = 0; i < at.size(); ++i)
             if (size_t(owner[i]) == widest && glm::dot(axis, at[i] - centre[widest]) > 0) owner[i] = int(centre.size());
         centre.push_back(centre[widest]);
@@ -254,12 +230,12 @@ CapDictionary::Cap capWithout(const Cluster& cluster) { return {-cluster.centre,
 // Two caps whose intersection holds the cluster: a lens with its tips on the longer axis.
 std::array<CapDictionary::Cap, 2> lensAround(const Cluster& cluster) {
     const glm::vec3 c = cluster.centre, u = tangentTo(c), v = glm::cross(c, u);
-    const float uu = glm::dot(u, cluster.spread * u), vv = glm::dot(v, cluster.spread * v), uv = glm::dot(u, cluster.spread * v);
-    const float turn = 0.5f * std::atan2(2 * uv, uu - vv), middle = 0.5f * (uu + vv), half = std::hypot(0.5f * (uu - vv), uv);
-    const glm::vec3 along = std::cos(turn) * u + std::sin(turn) * v, across = glm::cross(c, along);
-    // Of an even ellipse the half axes are twice the deviations.
-    const float length = std::clamp(2.2f * std::sqrt(std::max(middle + half, 0.0f)), 0.05f, 1.4f);
-    const float breadth = std::clamp(2 * std::sqrt(std::max(middle - half, 0.0f)), 0.02f, 0.7f * length);
+    const float uv = glm::dot(u, cluster.spread * v);
+    const auto ellipse = principalAxes(Eigen::Matrix2f{{glm::dot(u, cluster.spread * u), uv}, {uv, glm::dot(v, cluster.spread * v)}});
+    const Eigen::Vector2f deviations = ellipse.eigenvalues().cwiseMax(0).cwiseSqrt(), longer = ellipse.eigenvectors().col(1);
+    const glm::vec3 along = longer.x() * u + longer.y() * v, across = glm::cross(c, along);
+    // The half axes of an even ellipse are twice its deviations.
+    const float length = std::clamp(2.2f * deviations[1], 0.05f, 1.4f), breadth = std::clamp(2 * deviations[0], 0.02f, 0.7f * length);
     const glm::vec3 tip = std::cos(length) * c + std::sin(length) * along, other = std::cos(length) * c - std::sin(length) * along;
     std::array<CapDictionary::Cap, 2> out;
     for (int side = 0; side < 2; ++side) {
@@ -274,7 +250,7 @@ std::array<CapDictionary::Cap, 2> lensAround(const Cluster& cluster) {
 // The best start so far of any arrangement of K lobes.
 template <int K>
 struct Best {
-    std::array<float, K * 4> parameters{};
+    Lobes<float, 4, K> parameters = Lobes<float, 4, K>::Zero();
     double cost = 1e30;
     bool complement = false;
     int pairs = 0;
@@ -288,12 +264,12 @@ void tryStarts(const Samples& samples, bool complement, const LobeFitOptions& op
     const float sharpness = Hard ? hazy.sharpness : 6;
     const Fitter<K, 4, Hard, L> fitter{*samples.lattice, samples.open.data(), complement, hazy};
     for (const Arrangement& start : starts) {
-        std::array<float, K * 4> p;
+        Lobes<float, 4, K> p;
         for (int k = 0; k < K; ++k) {
             const CapDictionary::Cap& cap = start[size_t(k)];
-            p[k * 4] = -sharpness * cap.cosine;
-            for (int c = 0; c < 3; ++c) p[k * 4 + 1 + c] = sharpness * cap.axis[c];
+            p.col(k) << -cap.cosine, cap.axis.x, cap.axis.y, cap.axis.z;
         }
+        p *= sharpness;
         const double cost = fitter.descend(p, std::min(options.firstSteps, options.steps)).cost;
         if (cost < best.cost) best = {p, cost, complement, L};
     }
@@ -352,7 +328,7 @@ LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFi
     out.complement = best.complement;
     out.pairs = best.pairs;
     const auto& p = best.parameters;
-    for (int k = 0; k < K; ++k) out.lobes[k] = {p[k * 4 + 1], p[k * 4 + 2], p[k * 4 + 3], p[k * 4]};
+    for (int k = 0; k < K; ++k) out.lobes[k] = {p(1, k), p(2, k), p(3, k), p(0, k)};
     return out;
 }
 
@@ -478,7 +454,7 @@ LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFi
 
 LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options) {
     using F = Fitter<1, 4, false, 0>;
-    typename F::Parameters p{start.w, start.x, start.y, start.z};
+    F::Parameters p(start.w, start.x, start.y, start.z);
     LobeFit out;
     out.error = F{*samples.lattice, samples.open.data(), false, options}.run(p, options.steps).error;
     out.count = 1;
@@ -488,7 +464,8 @@ LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFi
 
 QuadricFit fitQuadric(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options) {
     using F = Fitter<1, 9, false, 0>;
-    typename F::Parameters p{start.w, start.x, start.y, start.z};
+    F::Parameters p = F::Parameters::Zero();
+    p.head<4>() << start.w, start.x, start.y, start.z;
     QuadricFit out;
     out.error = F{*samples.lattice, samples.open.data(), false, options}.run(p, options.steps).error;
     out.lobe = {p[1], p[2], p[3], p[0]};

@@ -22,7 +22,7 @@ struct LobeFitOptions {
     float sharpness = 0;     // > 0: the length of every slope; 0: free, of one or two lobes only
     bool pairs = false;     // of three or four lobes with a sharpness: LobeFit::pairs may be other than 0
     float ambientWeight = 0;  // of the squared error of the irradiance from an even sky
-    int steps = 8;          // of Levenberg and Marquardt, at most,
+    int steps = 8;          // of Levenberg–Marquardt, at most,
     int firstSteps = 4;     // and from each start; the best goes on to the end
     float groupWeight = 1;  // of the squared error over groups of patches, as of larger lights, against that over patches
     int starts = 2;         // of the hard-edged arrangements tried first

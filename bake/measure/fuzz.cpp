@@ -11,13 +11,11 @@
 
 namespace apertura {
 
-constexpr double kPi = std::numbers::pi;
-
 FuzzInput fuzzInput(const Model& model, uint32_t seed, uint64_t index) {
     uint64_t draw = 0;
     auto unit = [&] { return hashUnit(seed, index, 1 + draw++); };
     auto among = [&](std::initializer_list<float> values) { return values.begin()[size_t(unit() * double(values.size()))]; };
-    auto direction = [&] { return vec3(tilted(std::acos(1 - 2 * unit()), 2 * kPi * unit())); };
+    auto direction = [&] { return vec3(tilted(std::acos(1 - 2 * unit()), 2 * std::numbers::pi * unit())); };
     auto corner = [&] { return vec3(among({-1, 0, 1}), among({-1, 0, 1}), among({0, 1})); };
     auto axis = [&](const vec3& other) {
         const double kind = unit();
@@ -33,8 +31,8 @@ FuzzInput fuzzInput(const Model& model, uint32_t seed, uint64_t index) {
     const vec3 light = axis(normal);
     const float sine = unit() < 0.6 ? float(std::pow(10, -5 * unit())) : among({0.0f, 1e-30f, 1e-8f, 1e-4f, 0.00465f, 0.0105f, 0.0524f, 0.1737f, 0.7071f, 1.0f});
     auto params = [&] {
-        const float pi = float(kPi);
-        const float area = unit() < 0.6 ? float(2 * kPi * unit()) : among({0.0f, 1e-38f, 1e-9f, 1e-4f, pi, 2 * pi, 6.2831860f, 7.0f, 4 * pi, 1e30f, -1.0f});
+        const float pi = std::numbers::pi_v<float>;
+        const float area = unit() < 0.6 ? float(2 * std::numbers::pi * unit()) : among({0.0f, 1e-38f, 1e-9f, 1e-4f, pi, 2 * pi, 6.2831860f, 7.0f, 4 * pi, 1e30f, -1.0f});
         const float share = unit() < 0.5 ? float(unit()) : among({0.0f, 1.0f, 1.0001f, 1e-6f, 10.0f});
         const Visibility v{axis(unit() < 0.5 ? normal : light) * std::clamp(area * (1 - area / (4 * pi)) * share, -1e30f, 1e30f), area};
         const Model* stored = &model;

@@ -18,7 +18,7 @@
 namespace apertura {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kLeakCosine = 0.1;  // of a light to the normal, from which on what it leaks counts
 constexpr double kPathRadius = 5;  // degrees, of the light that PathRow speaks of
 
@@ -48,8 +48,8 @@ LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region,
         for (size_t r = 0; r < options.lightRadii.size(); ++r) {
             std::vector<TruthSample> row;
             for (size_t k = 0; k < lit.lights[i].size(); ++k)
-                row.push_back(traceLight(tracer, point, lit.lights[i][k], options.lightRadii[r] * kPi / 180,
-                                         options.lightSamples, 2 * kPi * hashUnit(options.seed, i, 100 + k)));
+                row.push_back(traceLight(tracer, point, lit.lights[i][k], options.lightRadii[r] * pi / 180,
+                                         options.lightSamples, 2 * pi * hashUnit(options.seed, i, 100 + k)));
             lit.truth[i].push_back(std::move(row));
         }
         counter.add(1);
@@ -73,7 +73,7 @@ void addRows(const LitReceivers& lit, const ModelReceivers& made, const std::vec
     for (size_t i = 0; i < n; ++i) {
         double sky = -std::max(glm::dot(lit.points[i].at.normal, truth[i].direction), 0.0f);
         for (const auto& [weight, receiver] : made.receivers[i]) sky += weight * skyIrradiance(made.model->id, receiver);
-        ambient += sky * sky / (kPi * kPi);
+        ambient += sky * sky / (pi * pi);
     }
     for (size_t r = 0; r < options.lightRadii.size(); ++r) {
         MeasureRow row;
@@ -89,7 +89,7 @@ void addRows(const LitReceivers& lit, const ModelReceivers& made, const std::vec
             double here = 0;
             for (size_t k = 0; k < lit.lights[i].size(); ++k) {
                 const TruthSample& sample = lit.truth[i][r][k];
-                const CapLight light = capLight(lit.lights[i][k], float(std::sin(row.lightRadius * kPi / 180)));
+                const CapLight light = capLight(lit.lights[i][k], float(std::sin(row.lightRadius * pi / 180)));
                 double e = -sample.mean();
                 const bool blocked = sample.first <= 0 && sample.second <= 0 && glm::dot(lit.lights[i][k], lit.points[i].at.normal) > kLeakCosine;
                 for (const auto& [weight, receiver] : made.receivers[i]) e += weight * modelValue(made.model->id, receiver, light);
@@ -159,17 +159,17 @@ PathRow comparePath(const LitReceivers& lit, const std::string& stage, const std
     double lights = 0, axes = 0;
     for (size_t i = 0; i < reference.size(); ++i) {
         const Aperture a = apertureOf(reference[i]), b = apertureOf(changed[i]);
-        const double radius = (double(capRadius(b.height)) - capRadius(a.height)) * 180 / kPi;
+        const double radius = (double(capRadius(b.height)) - capRadius(a.height)) * 180 / pi;
         row.radiusRms += radius * radius;
         row.radiusMax = std::max(row.radiusMax, std::abs(radius));
         if (a.height > 1e-4f) {  // a closed point has no direction to lose
-            const double angle = 2 * std::asin(std::min(0.5 * glm::length(glm::dvec3(a.axis) - glm::dvec3(b.axis)), 1.0)) * 180 / kPi;
+            const double angle = 2 * std::asin(std::min(0.5 * glm::length(glm::dvec3(a.axis) - glm::dvec3(b.axis)), 1.0)) * 180 / pi;
             row.directionRms += angle * angle;
             row.directionMax = std::max(row.directionMax, angle);
             ++axes;
         }
         for (const glm::vec3& l : lit.lights[i]) {
-            const CapLight light = capLight(l, float(std::sin(kPathRadius * kPi / 180)));
+            const CapLight light = capLight(l, float(std::sin(kPathRadius * pi / 180)));
             const double e = modelValue(MODEL_APERTURE, changed[i], light) - modelValue(MODEL_APERTURE, reference[i], light);
             row.irradianceRms += e * e;
             ++lights;
@@ -185,7 +185,7 @@ float throughByte(float value, float top) { return std::round(std::clamp(value /
 
 // The four coefficients themselves as bytes, each over its possible range.
 Visibility shThroughBytes(const Visibility& v) {
-    const Sh4 largest = toSh4({glm::vec3(float(kPi)), float(2 * kPi)});
+    const Sh4 largest = toSh4({glm::vec3(float(pi)), float(2 * pi)});
     Sh4 sh = toSh4(v);
     for (int i = 0; i < 4; ++i) sh.c[i] = throughByte(sh.c[i], largest.c[i]);
     return toVisibility(sh);
@@ -196,7 +196,7 @@ Receiver apertureThroughBytes(Receiver receiver) {
     Aperture a = apertureOf(receiver);
     for (int i = 0; i < 3; ++i) a.axis[i] = throughByte(a.axis[i], 1);
     a.axis = glm::normalize(a.axis);
-    const float radius = (throughByte(capRadius(a.height) * 4 / PI - 1, 1) + 1) * PI / 4;
+    const float radius = (throughByte(capRadius(a.height) * 4 / float(pi) - 1, 1) + 1) * float(pi) / 4;
     receiver.params[0] = vec4(a.axis, 1 - std::cos(radius));
     return renormalised(MODEL_APERTURE, receiver);
 }

@@ -13,7 +13,7 @@
 namespace apertura {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 class Shader {
 public:
@@ -32,13 +32,13 @@ public:
             caps.push_back(cap);
         }
         irradiance += fromSky(caps, origin, hit->at.normal, sample);
-        return view_.albedo / PI * irradiance;
+        return view_.albedo / float(pi) * irradiance;
     }
 
 private:
     glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::dvec3& origin, const glm::vec3& normal,
                         uint64_t sample, size_t index) {
-        const glm::mat3 frame = frameFromZ(cap.axis, 2 * kPi * hashUnit(options_.seed, sample, 2 + index));
+        const glm::mat3 frame = frameFromZ(cap.axis, 2 * pi * hashUnit(options_.seed, sample, 2 + index));
         rays_.clear();
         reach_.clear();
         for (const glm::vec3& w : fibonacciCap(options_.lightRays, cap.height))
@@ -47,7 +47,7 @@ private:
                 reach_.push_back(isSphere(light) ? distanceTo(light.sphere, origin, d) : kNoLimit);
             }
         const double cosines = openCosines(origin, normal, {});
-        return float(cosines * 2 * kPi * cap.height / options_.lightRays) * vec3(light.radiance);
+        return float(cosines * 2 * pi * cap.height / options_.lightRays) * vec3(light.radiance);
     }
 
     // Metres along a ray (unit) to where it meets a sphere, or comes nearest to it.
@@ -59,11 +59,11 @@ private:
 
     // The sky is everywhere but where a light stands in front of it.
     glm::vec3 fromSky(const std::vector<CapLight>& caps, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample) {
-        const glm::mat3 frame = frameFromZ(normal, 2 * kPi * hashUnit(options_.seed, sample, 1));
+        const glm::mat3 frame = frameFromZ(normal, 2 * pi * hashUnit(options_.seed, sample, 1));
         rays_.clear();
         for (const glm::vec3& w : sky_) rays_.push_back(frame * w);
         reach_.assign(rays_.size(), kNoLimit);
-        return float(openCosines(origin, normal, caps) * 2 * kPi / options_.skyRays) * view_.sky;
+        return float(openCosines(origin, normal, caps) * 2 * pi / options_.skyRays) * view_.sky;
     }
 
     // The sum of the cosines of those rays_ that nothing blocks within their reach_, and that no cap of `skip` holds.

@@ -12,8 +12,8 @@
 
 namespace apertura {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
+using std::numbers::pi;
+constexpr double kDegree = pi / 180;
 
 namespace {
 
@@ -41,9 +41,9 @@ template <typename Use>
 void forArcs(const glm::mat3& frame, uint32_t seed, size_t index, double degrees, double step, Use&& use) {
     const double radius = degrees * kDegree;
     for (int arc = 0; arc < 2; ++arc) {
-        const double turn = kPi * (hashUnit(seed, index, 7) + 0.5 * arc);
+        const double turn = pi * (hashUnit(seed, index, 7) + 0.5 * arc);
         bool first = true;
-        for (double a = -kPi / 2 - 1.2 * radius; a < kPi / 2 + 1.2 * radius; a += step, first = false)
+        for (double a = -pi / 2 - 1.2 * radius; a < pi / 2 + 1.2 * radius; a += step, first = false)
             use(capLight(frame * vec3(tilted(a, turn)), float(std::sin(radius))), first);
     }
 }

@@ -14,8 +14,8 @@ namespace apertura {
 namespace {
 
 using glm::dvec3;
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
+using std::numbers::pi;
+constexpr double kDegree = pi / 180;
 constexpr double kLeastShare = 1e-3;  // of the light, that an error is measured against
 const dvec3 kUp(0, 0, 1);
 
@@ -23,9 +23,9 @@ const dvec3 kUp(0, 0, 1);
 double share(std::vector<ExactCap> caps, const dvec3& normal, double radius) {
     for (const ExactCap& cap : caps)
         if (cap.radius <= 0) return 0;
-    caps.push_back({normal, kPi / 2});
+    caps.push_back({normal, pi / 2});
     const double s = std::sin(radius);
-    return glm::dot(normal, vectorIrradiance(caps)) / (kPi * s * s);
+    return glm::dot(normal, vectorIrradiance(caps)) / (pi * s * s);
 }
 
 double radiusOf(float height) { return std::acos(1 - std::clamp(double(height), 0.0, 2.0)); }
@@ -45,7 +45,7 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
     auto through = [&](int k) { return share({lit, cap(k)}, n, radius); };
     const double open = share({lit}, n, radius);
     switch (model.kind) {
-        case ModelKind::Area: return open * std::min(double(r.visibility.w) / (2 * kPi), 1.0);
+        case ModelKind::Area: return open * std::min(double(r.visibility.w) / (2 * pi), 1.0);
         case ModelKind::Aperture: return opacityIn(r) * through(0);
         case ModelKind::Anti: return through(0) + double(twoCapsIn(r).weight) * (open - through(1) - through(0));
         case ModelKind::CapAnti: {
@@ -91,8 +91,8 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
             out.receivers.push_back(out.receivers.back());
             continue;
         }
-        const double half = std::sin(f.apertureRadius / 2), area = 4 * kPi * half * half * f.areaScale;
-        const Visibility v{vec3(f.aperture * area * (1 - area / (4 * kPi)) * f.axisLength), float(area)};
+        const double half = std::sin(f.apertureRadius / 2), area = 4 * pi * half * half * f.areaScale;
+        const Visibility v{vec3(f.aperture * area * (1 - area / (4 * pi)) * f.axisLength), float(area)};
         Visibility seen = v;
         ModelParams params;
         if (recipe) {
@@ -106,7 +106,7 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
         } else {
             params = toParams(model, v, nullptr, normal);
             // What a bake sees of the opening lies above the horizon.
-            if (!model.baseline && f.apertureRadius > 0) seen.direction = vec3(vectorIrradiance(std::array{ExactCap{f.aperture, f.apertureRadius}, ExactCap{kUp, kPi / 2}}));
+            if (!model.baseline && f.apertureRadius > 0) seen.direction = vec3(vectorIrradiance(std::array{ExactCap{f.aperture, f.apertureRadius}, ExactCap{kUp, pi / 2}}));
         }
         // As mixing leaves it; models that are not mixed have axes from a decoder, which makes them unit.
         if (model.mixes && f.axisLength != 1)
@@ -152,7 +152,7 @@ StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const Fra
         row.outside += value < -1e-6 || value > 1.006 * unblocked + kAboveOne;
         const double truth = exactThroughCap(f);
         const double exact = model.baseline ? truth : exactInModel(model, swept.receivers[i], f.light, f.lightRadius);
-        const double smaller = std::sin(std::min({f.apertureRadius, f.lightRadius, kPi / 2})) / std::sin(f.lightRadius);
+        const double smaller = std::sin(std::min({f.apertureRadius, f.lightRadius, pi / 2})) / std::sin(f.lightRadius);
         const double error = std::abs(value - exact) / std::max(smaller * smaller, kLeastShare);
         if (error > row.error) row.error = error, row.worst = double(i) / double(sweep.frames.size() - 1);
         row.modelError = std::max(row.modelError, std::abs(value - truth));
@@ -175,8 +175,8 @@ std::vector<FailurePoint> failureMap(const Model& model, const FitTools& tools) 
             for (int d = 0; d <= 22; ++d) {
                 Sweep sweep{"", "", {}};
                 for (int turn = 0; turn < 4; ++turn) {
-                    const double angle = std::min((light + aperture) * kDegree * d / 20.0, kPi);
-                    const dvec3 u = away(axis, kPi / 2), v = glm::cross(axis, u), side = std::cos(turn * kPi / 2) * u + std::sin(turn * kPi / 2) * v;
+                    const double angle = std::min((light + aperture) * kDegree * d / 20.0, pi);
+                    const dvec3 u = away(axis, pi / 2), v = glm::cross(axis, u), side = std::cos(turn * pi / 2) * u + std::sin(turn * pi / 2) * v;
                     sweep.frames.push_back({axis, aperture * kDegree, std::cos(angle) * axis + std::sin(angle) * side, light * kDegree});
                 }
                 const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);

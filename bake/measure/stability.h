@@ -3,6 +3,7 @@
 // exactly, and against how fast light can change.
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace apertura {
 
 // The largest change of E / (L pi sin^2 r) when a light of this radius moves by `moved` radians, whatever blocks it:
 // its rim, of length 2 pi sin r, sweeps 2 moved sin r ahead of it, lit from overhead at most.
-inline double stepBound(double moved, double radius) { return 2 * moved / (3.14159265358979 * std::sin(radius)); }
+inline double stepBound(double moved, double radius) { return 2 * moved / (std::numbers::pi * std::sin(radius)); }
 
 // The light of each frame; empty where it could not be had.
 using FrameEvaluator = std::function<std::vector<float>(int model, int lightClass, const std::vector<Evaluation>&)>;

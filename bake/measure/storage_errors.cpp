@@ -11,20 +11,20 @@ namespace apertura {
 namespace {
 
 using glm::dvec3;
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
+using std::numbers::pi;
+constexpr double kDegree = pi / 180;
 
 double radiusOf(double open) { return 2 * std::asin(std::sqrt(std::clamp(open, 0.0, 1.0) / 2)); }
 
 DecodeError worstOf(int bits, double open, double capness) {
     const PackingError bound = packingError(bits);
-    const double area = 2 * kPi * open, offAxis = capness * (1 - area / (4 * kPi));  // |D / A|
+    const double area = 2 * pi * open, offAxis = capness * (1 - area / (4 * pi));  // |D / A|
     DecodeError out{bits, open, capness, 0, std::asin(std::min(bound.direction / std::max(offAxis, 1e-9), 1.0)) / kDegree, 0, bound.radius / kDegree};
     for (int i = 0; i <= 400; ++i) {  // areas about it: what one rounds to is chance
         const double near = std::min(open * (0.9 + 0.2 * i / 400), 1.0);
-        const Visibility v{{}, float(2 * kPi * near)};
+        const Visibility v{{}, float(2 * pi * near)};
         const Visibility back = bits == 8 ? unpack(pack8(v)) : unpack(pack16(v));
-        out.radius = std::max(out.radius, std::abs(radiusOf(back.area / (2 * kPi)) - radiusOf(near)) / kDegree);
+        out.radius = std::max(out.radius, std::abs(radiusOf(back.area / (2 * pi)) - radiusOf(near)) / kDegree);
     }
     for (const glm::vec3& w : fibonacciCap(1500, 2)) {
         const Visibility v{float(area * offAxis) * w, float(area)};
@@ -43,8 +43,8 @@ struct Seen {
     double tilt, turn, radius;
     Visibility visibility() const {
         const dvec3 axis(std::sin(tilt * kDegree) * std::cos(turn * kDegree), std::sin(tilt * kDegree) * std::sin(turn * kDegree), std::cos(tilt * kDegree));
-        const double half = std::sin(radius * kDegree / 2), area = 4 * kPi * half * half;
-        return {vec3(axis * area * (1 - area / (4 * kPi))), float(area)};
+        const double half = std::sin(radius * kDegree / 2), area = 4 * pi * half * half;
+        return {vec3(axis * area * (1 - area / (4 * pi))), float(area)};
     }
 };
 struct Pair {

@@ -19,8 +19,8 @@ dvec3 away(const dvec3& axis, double angle) {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
+using std::numbers::pi;
+constexpr double kDegree = pi / 180;
 const dvec3 kUp(0, 0, 1);
 
 template <typename Frame>
@@ -64,16 +64,16 @@ std::vector<Sweep> singularSweeps() {
     out.push_back(crossing("sun over a 50 degree aperture", "its edges", 50 * kDegree, sun, 0.2, 4001));
     out.push_back(crossing("sun over a 2 degree aperture", "its edges", 2 * kDegree, sun, 0.5, 401));
     out.push_back(makeSweep("sun across the horizon", "everything is open", 201, [=](double t) {
-        return SweepFrame{kUp, kPi / 2, tilted(kPi / 2 + sun * (1.5 - 3 * t)), sun};
+        return SweepFrame{kUp, pi / 2, tilted(pi / 2 + sun * (1.5 - 3 * t)), sun};
     }));
     out.push_back(makeSweep("15 degree light across the horizon", "everything is open", 401, [](double t) {
-        return SweepFrame{kUp, kPi / 2, tilted(kPi / 2 + 15 * kDegree * (1.5 - 3 * t)), 15 * kDegree};
+        return SweepFrame{kUp, pi / 2, tilted(pi / 2 + 15 * kDegree * (1.5 - 3 * t)), 15 * kDegree};
     }));
     out.push_back(makeSweep("15 degree light across the horizon, aperture aside", "of an aperture of 60 degrees that the horizon cuts", 401, [](double t) {
-        return SweepFrame{tilted(70 * kDegree), 60 * kDegree, tilted(kPi / 2 + 15 * kDegree * (1.5 - 3 * t)), 15 * kDegree};
+        return SweepFrame{tilted(70 * kDegree), 60 * kDegree, tilted(pi / 2 + 15 * kDegree * (1.5 - 3 * t)), 15 * kDegree};
     }));
     out.push_back(makeSweep("half a sky of light", "90 degrees, over a 30 degree aperture that tilts from 0 to 90 degrees", 201, [](double t) {
-        return SweepFrame{tilted(t * kPi / 2), 30 * kDegree, kUp, kPi / 2};
+        return SweepFrame{tilted(t * pi / 2), 30 * kDegree, kUp, pi / 2};
     }));
     out.push_back(makeSweep("light shrinks to nothing", "at the edge of a 30 degree aperture", 201, [](double t) {
         return SweepFrame{tilted(0.3), 30 * kDegree, away(tilted(0.3), 30 * kDegree), 0.5 * std::pow(10, -4.5 * t)};
@@ -82,7 +82,7 @@ std::vector<Sweep> singularSweeps() {
         return SweepFrame{tilted(0.3), 0.5 * std::pow(10, -4.5 * t), away(tilted(0.3), 2 * kDegree), 5 * kDegree};
     }));
     out.push_back(makeSweep("aperture opens to all", "from a hemisphere to everything and beyond, under a 5 degree light", 201, [](double t) {
-        SweepFrame f{kUp, kPi / 2, tilted(1.2), 5 * kDegree};
+        SweepFrame f{kUp, pi / 2, tilted(1.2), 5 * kDegree};
         f.areaScale = 1 + 1e-6 + t * t;
         return f;
     }));

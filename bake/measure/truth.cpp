@@ -10,7 +10,7 @@
 namespace apertura {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 }  // namespace
 
@@ -26,12 +26,12 @@ std::vector<SurfaceSample> sampleReceivers(const Scene& scene, int count, uint32
 
 std::vector<glm::vec3> lightDirections(const MeasuredRegion& region, const SurfacePoint& receiver, uint32_t seed, size_t index) {
     const glm::vec3 up = region.skyAboveGround ? glm::vec3(0, 1, 0) : receiver.normal;
-    const glm::mat3 frame = frameFromZ(up, 2 * kPi * hashUnit(seed, index, 21));
+    const glm::mat3 frame = frameFromZ(up, 2 * pi * hashUnit(seed, index, 21));
     std::vector<glm::vec3> out;
     for (const glm::vec3& w : fibonacciHemisphere(80)) out.push_back(frame * w);
     for (double elevation : {3.0, 8.0})
         for (int i = 0; i < 8; ++i) {
-            const double turn = 2 * kPi * i / 8 + elevation, e = elevation * kPi / 180;
+            const double turn = 2 * pi * i / 8 + elevation, e = elevation * pi / 180;
             out.push_back(frame * glm::vec3(std::cos(e) * std::cos(turn), std::cos(e) * std::sin(turn), std::sin(e)));
         }
     return out;

@@ -11,7 +11,7 @@
 namespace apertura {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 // Halves a list of directions at the median of their longest axis, so that every run of a power of two of
 // them is a patch of the sphere: 16 for a packet of rays, others for fitting.
@@ -49,10 +49,10 @@ glm::mat3 frameFromZ(const glm::vec3& normal, double angle) {
 
 std::vector<glm::vec3> fibonacciCap(int n, double h) {
     // Fibonacci's lattice: even steps of height, turned by the golden angle.
-    const double golden = kPi * (3 - std::sqrt(5.0));
+    const double golden = pi * (3 - std::sqrt(5.0));
     std::vector<glm::vec3> out;
     for (int i = 0; i < n; ++i) {
-        const double down = h * (i + 0.5) / n, s = std::sqrt(down * (2 - down)), turn = std::fmod(golden * i, 2 * kPi);
+        const double down = h * (i + 0.5) / n, s = std::sqrt(down * (2 - down)), turn = std::fmod(golden * i, 2 * pi);
         out.emplace_back(float(s * std::cos(turn)), float(s * std::sin(turn)), float(1 - down));
     }
     return out;

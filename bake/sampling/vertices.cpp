@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "bake/sampling/directions.h"
 #include "bake/sampling/progress.h"
@@ -224,7 +225,7 @@ VertexPoints placeVertices(const Scene& scene, const Tracer& tracer, const Progr
                 normalsBehind += isBehind;
                 withoutFaces += corner.count == 0;
                 points[k] = nextTo(mesh, tracer, v, corner, normal);
-                const double spin = 6.283185307179586 * hashUnit(0, i, v);
+                const double spin = 2 * std::numbers::pi * hashUnit(0, i, v);
                 const int backs = solids.backsSeen(points[k], spin);
                 if (backs < kSuspicious) continue;
                 bool found = false;

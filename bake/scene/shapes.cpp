@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "bake/sampling/directions.h"
 
@@ -71,7 +72,7 @@ void addFrustum(Surface& surface, const dvec3& base, double low, double high, do
     const double slope = (low - high) / height;
     for (int i = 0; i <= up; ++i)
         for (int j = 0; j <= around; ++j) {
-            const double turn = 2 * 3.14159265358979323846 * j / around, c = std::cos(turn), s = std::sin(turn);
+            const double turn = 2 * std::numbers::pi * j / around, c = std::cos(turn), s = std::sin(turn);
             const double t = double(i) / up, r = low + (high - low) * t;
             surface.positions.emplace_back(base + dvec3(r * c, height * t, r * s));
             surface.normals.emplace_back(glm::normalize(dvec3(c, slope, s)));

@@ -1,5 +1,6 @@
 #pragma once
 // Tessellated shapes and noise for the built-in scenes. Lengths in metres, +Y up, normals outwards.
+#include <numbers>
 #include <span>
 
 #include "runtime/asset/scene.h"
@@ -32,7 +33,7 @@ double fractal(const glm::dvec3& p, int octaves, uint32_t seed);
 
 template <typename Radius>
 void addBlob(Surface& surface, const glm::dvec3& centre, int around, Radius&& radius) {
-    const double pi = 3.14159265358979323846;
+    using std::numbers::pi;
     const int down = around / 2;
     const auto first = uint32_t(surface.positions.size());
     Surface blob;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <glm/gtc/constants.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <numbers>
 
 #include "runtime/asset/file.h"
 #include "runtime/asset/gltf_document.h"
@@ -166,7 +166,7 @@ private:
         const glm::dvec3 eye(world[3]), forward = -glm::dvec3(world[2]), up(world[1]);
         const double length = glm::length(forward), height = glm::length(up);
         const double far = glm::length(eye);
-        if (!(fov > 0 && fov < glm::pi<double>() && length > 0 && height > 0 && far < kFarthestEye) || !std::isfinite(length) || !std::isfinite(height)) {
+        if (!(fov > 0 && fov < std::numbers::pi && length > 0 && height > 0 && far < kFarthestEye) || !std::isfinite(length) || !std::isfinite(height)) {
             scene_.notes.push_back("its camera cannot be used");
             return;
         }

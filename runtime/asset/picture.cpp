@@ -3,24 +3,15 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <glm/gtc/color_space.hpp>
+#include <glm/gtc/packing.hpp>
 
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
 
 namespace apertura {
-namespace {
-
-// IEC 61966-2-1.
-uint8_t toSrgb(float linear) {
-    const float c = std::clamp(linear, 0.0f, 1.0f);
-    return uint8_t(std::lround(255 * (c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f)));
-}
-
-}  // namespace
 
 Picture halved(const Picture& picture) {
     Picture out{picture.width / 2, picture.height / 2, {}};
@@ -47,9 +38,9 @@ void writePicture(const std::string& path, const Picture& picture) {
     if (linear) {
         written = written && out->write_image(OIIO::TypeDesc::FLOAT, picture.pixels.data());
     } else {
-        std::vector<uint8_t> bytes;
-        for (const glm::vec3& p : picture.pixels)
-            for (int c = 0; c < 3; ++c) bytes.push_back(toSrgb(p[c]));
+        std::vector<glm::u8vec3> bytes;
+        // 2.4: GLM's own exponent for the curve has five digits.
+        for (const glm::vec3& p : picture.pixels) bytes.push_back(glm::packUnorm<uint8_t>(glm::convertLinearToSRGB(p, 2.4f)));
         written = written && out->write_image(OIIO::TypeDesc::UINT8, bytes.data());
     }
     written = out->close() && written;

@@ -2,9 +2,11 @@
 
 #include <unistd.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <glm/gtc/type_ptr.hpp>
 #include <unordered_map>
 
 #include "runtime/asset/error.h"
@@ -13,6 +15,7 @@ namespace apertura {
 namespace {
 
 constexpr float kFarthest = 1e15f;  // metres; beyond, squares of lengths leave float32
+constexpr double kSingular = 1e-300;          // determinants up to this
 constexpr double kPlaneSteps = 4096;          // of a normal's components: planes nearer than that are one
 // While baking, measured: the point, the four numbers and a model's parameters; and in the tracer.
 constexpr double kBytesAVertex = 150, kBytesATriangle = 150;
@@ -22,25 +25,17 @@ bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y
 }  // namespace
 
 glm::mat3 rotationPart(const glm::mat4& m) {
-    glm::dmat3 q(m);
-    // Higham's iteration converges quadratically to the orthogonal factor.
-    for (int i = 0; i < 60; ++i) {
-        const double det = glm::determinant(q);
-        if (!(std::abs(det) > 1e-300)) return glm::mat3(1);
-        const double scale = i == 0 ? 1 / std::cbrt(std::abs(det)) : 1;
-        const glm::dmat3 s = q * scale, next = 0.5 * (s + glm::transpose(glm::inverse(s)));
-        double change = 0;
-        for (int c = 0; c < 3; ++c) change += glm::length(next[c] - q[c]);
-        q = next;
-        if (change < 1e-14) break;
-    }
-    return glm::mat3(q);
+    const glm::dmat3 linear(m);
+    if (!(std::abs(glm::determinant(linear)) > kSingular)) return glm::mat3(1);
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(Eigen::Map<const Eigen::Matrix3d>(&linear[0].x), Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
+    return glm::make_mat3(rotation.data());
 }
 
 glm::mat3 normalMatrix(const glm::mat4& m) {
     const glm::dmat3 linear(m);
     const double det = glm::determinant(linear);
-    if (!(std::abs(det) > 1e-300)) return rotationPart(m);
+    if (!(std::abs(det) > kSingular)) return rotationPart(m);
     const glm::dmat3 cofactor = glm::transpose(glm::inverse(linear));
     double largest = 0;  // made 1: floats do not hold the squares of all scales
     for (int c = 0; c < 3; ++c) largest = std::max(largest, glm::length(cofactor[c]));
