@@ -19,9 +19,7 @@ struct Arc {
     double begin, end;  // radians along the circle, begin <= end
 };
 
-double angleBetween(const dvec3& a, const dvec3& b) {
-    return 2 * std::atan2(glm::length(a - b), glm::length(a + b));
-}
+double angleBetween(const dvec3& a, const dvec3& b) { return 2 * std::atan2(glm::length(a - b), glm::length(a + b)); }
 
 // Where the boundary circle of `caps[i]` lies with respect to cap j. Decided symmetrically for a pair,
 // so that two circles never disagree on whether they cross; of two equal caps the first counts.
@@ -83,9 +81,9 @@ dvec3 vectorIrradiance(std::span<const ExactCap> caps) {
         }
         const double sinR = std::sin(r), cosR = std::cos(r);
         for (const Arc& arc : arcs)
-            sum += 0.5 * (sinR * sinR * (arc.end - arc.begin) * a
-                          - sinR * cosR * ((std::sin(arc.end) - std::sin(arc.begin)) * u
-                                           - (std::cos(arc.end) - std::cos(arc.begin)) * v));
+            sum += 0.5
+                 * (sinR * sinR * (arc.end - arc.begin) * a
+                    - sinR * cosR * ((std::sin(arc.end) - std::sin(arc.begin)) * u - (std::cos(arc.end) - std::cos(arc.begin)) * v));
     }
     return sum;
 }

@@ -22,6 +22,7 @@ static_assert(sizeof(SceneVertex) == 48);
 static_assert(offsetof(SceneVertex, position) == 0 && offsetof(SceneVertex, normal) == 16 && offsetof(SceneVertex, visibility) == 32);
 
 static_assert(sizeof(Evaluation) == 48 + 16 * MAX_SLOTS);
-static_assert(offsetof(Evaluation, normal) == 0 && offsetof(Evaluation, light) == 16 && offsetof(Evaluation, visibility) == 32 && offsetof(Evaluation, params) == 48);
+static_assert(offsetof(Evaluation, normal) == 0 && offsetof(Evaluation, light) == 16 && offsetof(Evaluation, visibility) == 32
+              && offsetof(Evaluation, params) == 48);
 
 }  // namespace apertura

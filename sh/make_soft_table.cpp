@@ -29,8 +29,7 @@ int main(int argc, char** argv) {
                 const double reach = std::max<double>(soft_grid::kReach * k / (soft_grid::kReaches - 1), 1e-4);
                 const double rho = 1 - (1 - reach) * (1 - reach);
                 const double length = rho * edge * area / 2 * (1 - x);
-                const SoftSolution s =
-                    solveSoft({area, area / 2 + length * std::cos(psi), length * std::sin(psi)});
+                const SoftSolution s = solveSoft({area, area / 2 + length * std::cos(psi), length * std::sin(psi)});
                 const double sharp = std::hypot(s.n, s.t);
                 std::fprintf(out, "{%.8ef,%.8ef,%.8ef},", sharp * std::sqrt((1 - rho) * x * (1 - x)) / rho,
                              std::tan(std::remainder(std::atan2(s.t, s.n) - psi, 2 * pi) / 2),

@@ -13,9 +13,7 @@ namespace {
 
 ModelParams nothing(const Visibility&, const vec3&) { return {}; }
 
-ModelParams oneCap(const Visibility& v, const vec3& normal) {
-    return paramsOf(withAperture({}, toAperture(v, normal), 1));
-}
+ModelParams oneCap(const Visibility& v, const vec3& normal) { return paramsOf(withAperture({}, toAperture(v, normal), 1)); }
 
 // The cap of uniform opacity with all four numbers: its height from |D| / A, which is 1 - height / 2.
 ModelParams alphaCap(const Visibility& any, const vec3& normal) {
@@ -31,9 +29,7 @@ ModelParams alphaCap(const Visibility& any, const vec3& normal) {
 ModelParams capAndAnti(const Visibility& any, const vec3& normal) {
     const Visibility v = clampToPossible(any);
     const Visibility blocked{PI * normal - v.direction, 2 * PI - v.area};
-    auto deficit = [](const Visibility& x) {
-        return std::max(x.area * (1 - x.area / (4 * PI)) - length(x.direction), 0.0f);
-    };
+    auto deficit = [](const Visibility& x) { return std::max(x.area * (1 - x.area / (4 * PI)) - length(x.direction), 0.0f); };
     const float open = deficit(v), closed = deficit(blocked);
     const float sum = open + closed;
     return paramsOf(withTwoCaps({}, {toAperture(v, normal), toAperture(blocked, normal), sum > 1e-6f ? open / sum : 0, 0}));
@@ -75,48 +71,174 @@ ModelParams oneLobe(const Visibility& v, const vec3& normal) {
 
 using enum Field;
 using Kind = ModelKind;
+// clang-format off: a row a model
 constexpr Model kModels[] = {
-    {.id = MODEL_UNSHADOWED, .name = "unshadowed", .numbers = 0, .mixes = true, .baseline = true, .fromVisibility = nothing,
+    {.id = MODEL_UNSHADOWED,
+     .name = "unshadowed",
+     .numbers = 0,
+     .mixes = true,
+     .baseline = true,
+     .fromVisibility = nothing,
      .what = "N.L, no visibility: the baseline of cost"},
-    {.id = MODEL_AO, .name = "ao", .kind = Kind::Area, .numbers = 1, .mixes = true, .baseline = true, .fromVisibility = nothing, .autoTag = 0,
+    {.id = MODEL_AO,
+     .name = "ao",
+     .kind = Kind::Area,
+     .numbers = 1,
+     .mixes = true,
+     .baseline = true,
+     .fromVisibility = nothing,
+     .autoTag = 0,
      .what = "visible area alone"},
-    {.id = MODEL_SH_L1, .name = "sh-l1", .numbers = 4, .mixes = true, .baseline = true, .fromVisibility = nothing,
+    {.id = MODEL_SH_L1,
+     .name = "sh-l1",
+     .numbers = 4,
+     .mixes = true,
+     .baseline = true,
+     .fromVisibility = nothing,
      .what = "SH bands 0 and 1 of visibility, evaluated at the light"},
-    {.id = MODEL_SH_L2, .name = "sh-l2", .numbers = 9, .slots = 2, .mixes = true, .baseline = true, .stored = {Bands2},
+    {.id = MODEL_SH_L2,
+     .name = "sh-l2",
+     .numbers = 9,
+     .slots = 2,
+     .mixes = true,
+     .baseline = true,
+     .stored = {Bands2},
      .what = "SH bands 0 to 2"},
-    {.id = MODEL_SH_L4, .name = "sh-l4", .numbers = 25, .slots = 6, .mixes = true, .baseline = true, .stored = {Bands4},
+    {.id = MODEL_SH_L4,
+     .name = "sh-l4",
+     .numbers = 25,
+     .slots = 6,
+     .mixes = true,
+     .baseline = true,
+     .stored = {Bands4},
      .what = "SH bands 0 to 4"},
-    {.id = MODEL_OAT, .name = "oat", .numbers = 3, .slots = 1, .mixes = true, .baseline = true, .fromVisibility = oneCap,
+    {.id = MODEL_OAT,
+     .name = "oat",
+     .numbers = 3,
+     .slots = 1,
+     .mixes = true,
+     .baseline = true,
+     .fromVisibility = oneCap,
      .what = "aperture, formula as published in 2006"},
-    {.id = MODEL_APERTURE, .name = "aperture", .kind = Kind::Aperture, .numbers = 3, .slots = 2, .fromVisibility = oneCap, .autoTag = 1,
+    {.id = MODEL_APERTURE,
+     .name = "aperture",
+     .kind = Kind::Aperture,
+     .numbers = 3,
+     .slots = 2,
+     .fromVisibility = oneCap,
+     .autoTag = 1,
      .what = "aperture, exact overlap of caps within 0.003"},
-    {.id = MODEL_ALPHA, .name = "alpha", .kind = Kind::Aperture, .numbers = 4, .slots = 2, .fromVisibility = alphaCap,
+    {.id = MODEL_ALPHA,
+     .name = "alpha",
+     .kind = Kind::Aperture,
+     .numbers = 4,
+     .slots = 2,
+     .fromVisibility = alphaCap,
      .what = "translucent aperture with all four numbers"},
-    {.id = MODEL_ANTI, .name = "anti", .kind = Kind::Anti, .numbers = 4, .slots = 4, .fromVisibility = capAndAnti, .stored = {Cap},
+    {.id = MODEL_ANTI,
+     .name = "anti",
+     .kind = Kind::Anti,
+     .numbers = 4,
+     .slots = 4,
+     .fromVisibility = capAndAnti,
+     .stored = {Cap},
      .what = "aperture, anti-aperture or a blend of both"},
-    {.id = MODEL_SOFT, .name = "soft", .kind = Kind::Lobes, .numbers = 4, .slots = 1, .mixes = true, .fromVisibility = oneLobe, .autoTag = 2,
+    {.id = MODEL_SOFT,
+     .name = "soft",
+     .kind = Kind::Lobes,
+     .numbers = 4,
+     .slots = 1,
+     .mixes = true,
+     .fromVisibility = oneLobe,
+     .autoTag = 2,
      .what = "soft-edged aperture, uses all four numbers"},
-    {.id = MODEL_FIRM_2, .name = "firm-2", .kind = Kind::Lobes, .parts = 2, .numbers = 6, .slots = 3, .stored = {HardLobe, HardLobe}, .autoTag = 3,
+    {.id = MODEL_FIRM_2,
+     .name = "firm-2",
+     .kind = Kind::Lobes,
+     .parts = 2,
+     .numbers = 6,
+     .slots = 3,
+     .stored = {HardLobe, HardLobe},
+     .autoTag = 3,
      .what = "two hard-edged lobes"},
-    {.id = MODEL_SOFT_2, .name = "soft-2", .kind = Kind::Lobes, .parts = 2, .numbers = 8, .slots = 3, .stored = {Lobe, Lobe}, .autoTag = 4,
+    {.id = MODEL_SOFT_2,
+     .name = "soft-2",
+     .kind = Kind::Lobes,
+     .parts = 2,
+     .numbers = 8,
+     .slots = 3,
+     .stored = {Lobe, Lobe},
+     .autoTag = 4,
      .what = "two soft lobes"},
-    {.id = MODEL_SOFT_L2, .name = "soft-l2", .kind = Kind::Quadric, .numbers = 9, .slots = 3, .mixes = true, .stored = {Lobe, Bend}, .autoTag = 6,
+    {.id = MODEL_SOFT_L2,
+     .name = "soft-l2",
+     .kind = Kind::Quadric,
+     .numbers = 9,
+     .slots = 3,
+     .mixes = true,
+     .stored = {Lobe, Bend},
+     .autoTag = 6,
      .what = "soft aperture with a quadratic exponent"},
-    {.id = MODEL_FIRM_3, .name = "firm-3", .kind = Kind::Lobes, .parts = 3, .numbers = 9, .slots = 4, .stored = {HardLobe, HardLobe, HardLobe},
-     .autoTag = 5, .what = "three hard-edged lobes"},
-    {.id = MODEL_FIRM_4, .name = "firm-4", .kind = Kind::Lobes, .parts = 4, .numbers = 12, .slots = 5,
-     .stored = {HardLobe, HardLobe, HardLobe, HardLobe}, .autoTag = 7, .what = "four hard-edged lobes"},
-    {.id = MODEL_MULTI_2, .name = "multi-2", .kind = Kind::Union, .parts = 2, .numbers = 6, .slots = 3, .stored = {Cap, Cap}, .what = "two apertures"},
-    {.id = MODEL_MULTI_3, .name = "multi-3", .kind = Kind::Union, .parts = 3, .numbers = 9, .slots = 5, .stored = {Cap, Cap, Cap},
+    {.id = MODEL_FIRM_3,
+     .name = "firm-3",
+     .kind = Kind::Lobes,
+     .parts = 3,
+     .numbers = 9,
+     .slots = 4,
+     .stored = {HardLobe, HardLobe, HardLobe},
+     .autoTag = 5,
+     .what = "three hard-edged lobes"},
+    {.id = MODEL_FIRM_4,
+     .name = "firm-4",
+     .kind = Kind::Lobes,
+     .parts = 4,
+     .numbers = 12,
+     .slots = 5,
+     .stored = {HardLobe, HardLobe, HardLobe, HardLobe},
+     .autoTag = 7,
+     .what = "four hard-edged lobes"},
+    {.id = MODEL_MULTI_2,
+     .name = "multi-2",
+     .kind = Kind::Union,
+     .parts = 2,
+     .numbers = 6,
+     .slots = 3,
+     .stored = {Cap, Cap},
+     .what = "two apertures"},
+    {.id = MODEL_MULTI_3,
+     .name = "multi-3",
+     .kind = Kind::Union,
+     .parts = 3,
+     .numbers = 9,
+     .slots = 5,
+     .stored = {Cap, Cap, Cap},
      .what = "three apertures"},
-    {.id = MODEL_MULTI_4, .name = "multi-4", .kind = Kind::Union, .parts = 4, .numbers = 12, .slots = 6, .stored = {Cap, Cap, Cap, Cap},
+    {.id = MODEL_MULTI_4,
+     .name = "multi-4",
+     .kind = Kind::Union,
+     .parts = 4,
+     .numbers = 12,
+     .slots = 6,
+     .stored = {Cap, Cap, Cap, Cap},
      .what = "four apertures"},
-    {.id = MODEL_CAP_ANTI, .name = "cap-anti", .kind = Kind::CapAnti, .parts = 2, .numbers = 6, .slots = 4, .stored = {Cap, Cap},
+    {.id = MODEL_CAP_ANTI,
+     .name = "cap-anti",
+     .kind = Kind::CapAnti,
+     .parts = 2,
+     .numbers = 6,
+     .slots = 4,
+     .stored = {Cap, Cap},
      .what = "two of aperture and anti-aperture"},
-    {.id = MODEL_HORIZON, .name = "horizon", .numbers = 16, .slots = 4, .baseline = true, .stored = {Heights},
+    {.id = MODEL_HORIZON,
+     .name = "horizon",
+     .numbers = 16,
+     .slots = 4,
+     .baseline = true,
+     .stored = {Heights},
      .what = "horizon at 16 azimuths: the rival"},
     {.id = MODEL_AUTO, .name = "auto", .kind = Kind::Choice, .numbers = 0, .slots = 5, .what = "the least model, chosen for each point"},
 };
+// clang-format on
 static_assert(std::size(kModels) == MODEL_COUNT, "every MODEL_... of shaders/receiver.glsl has a row here");
 
 constexpr int autoCount() {
@@ -146,13 +268,16 @@ constexpr int slotsNeeded(const Model& model) {
 constexpr bool isSound(const Model& model, int place) {
     const bool made = model.fromVisibility || model.stored[0] != None || model.kind == ModelKind::Choice;
     const bool tagged = model.autoTag < 0 || kAutoModels[size_t(model.autoTag)] == &model;
-    return model.id == place && made && tagged && !model.name.empty() && !model.what.empty() && model.slots <= MAX_SLOTS && model.slots >= slotsNeeded(model);
+    return model.id == place && made && tagged && !model.name.empty() && !model.what.empty() && model.slots <= MAX_SLOTS
+        && model.slots >= slotsNeeded(model);
 }
-static_assert([] {
-    for (int i = 0; i < MODEL_COUNT; ++i)
-        if (!isSound(kModels[i], i)) return false;
-    return std::find(kAutoModels.begin(), kAutoModels.end(), nullptr) == kAutoModels.end();
-}(), "rows stand in the order of their ids, are made or stored, have the slots that their kind needs, and tags without gaps");
+static_assert(
+    [] {
+        for (int i = 0; i < MODEL_COUNT; ++i)
+            if (!isSound(kModels[i], i)) return false;
+        return std::find(kAutoModels.begin(), kAutoModels.end(), nullptr) == kAutoModels.end();
+    }(),
+    "rows stand in the order of their ids, are made or stored, have the slots that their kind needs, and tags without gaps");
 
 }  // namespace
 
@@ -167,7 +292,8 @@ bool hasFormula(const Model& model, int lightClass) {
 }
 
 std::span<const Model> models() {
-    static const bool allHave = std::all_of(std::begin(kModels), std::end(kModels), [](const Model& m) { return m.kind == Kind::Choice || hasFormula(m, LIGHTS_ANY); });
+    static const bool allHave = std::all_of(std::begin(kModels), std::end(kModels),
+                                            [](const Model& m) { return m.kind == Kind::Choice || hasFormula(m, LIGHTS_ANY); });
     if (!allHave) throw std::logic_error("a model of sh/models.cpp has no formula in shaders/models.glsl");
     return kModels;
 }
@@ -213,7 +339,8 @@ ModelParams completed(const Model& model, const ModelParams& stored) {
         case ModelKind::CapAnti: {
             // What is evaluated is the complement of a cap over a hemisphere.
             auto smaller = [](const vec4& slot) { return apertureIn(slot, capTermsOf(std::min(slot.w, 2 - slot.w))); };
-            r = withTwoCaps(r, {smaller(r.params[0]), smaller(r.params[1]), twoCapsIn(r).weight, dot(vec3(r.params[0]), vec3(r.params[1]))});
+            r = withTwoCaps(r,
+                            {smaller(r.params[0]), smaller(r.params[1]), twoCapsIn(r).weight, dot(vec3(r.params[0]), vec3(r.params[1]))});
             break;
         }
         default: break;

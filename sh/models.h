@@ -47,16 +47,16 @@ struct Model {
     int id;                 // MODEL_..., the shader's specialisation constant
     std::string_view name;  // on the command line
     ModelKind kind = ModelKind::Formula;
-    int parts = 1;               // caps or lobes
-    int numbers;                 // a point, that the light's formula reads
-    int slots = 0;               // of its parameters
-    bool mixes = false;          // parameters may be interpolated; otherwise the light of three corners is
-    bool baseline = false;       // a rival, or as published: kept as it is where it fails
+    int parts = 1;          // caps or lobes
+    int numbers;            // a point, that the light's formula reads
+    int slots = 0;          // of its parameters
+    bool mixes = false;     // parameters may be interpolated; otherwise the light of three corners is
+    bool baseline = false;  // a rival, or as published: kept as it is where it fails
     // The parameters, from the four numbers; nothing where the model is stored instead.
     ModelParams (*fromVisibility)(const Visibility&, const vec3& normal) = nullptr;
     std::array<Field, 4> stored{};  // what is stored, where it is
-    int autoTag = -1;            // its byte in an asset that `auto` chose for, for ever the same; -1: never chosen
-    std::string_view what;       // for people
+    int autoTag = -1;               // its byte in an asset that `auto` chose for, for ever the same; -1: never chosen
+    std::string_view what;          // for people
 
     bool isStored() const { return stored[0] != Field::None || kind == ModelKind::Choice; }
     // Slot of the lobes' Combination, whose complement is where TwoCaps has its weight; -1 where there is none.

@@ -17,8 +17,7 @@ std::array<Int, 4> pack(const Visibility& any) {
     const Int w = Int(std::lround((2 * std::sqrt(v.area / kTwoPi) - 1) * top));
     if (w == -Int(top)) return {0, 0, 0, w};
     std::array<Int, 4> out{0, 0, 0, w};
-    for (int i = 0; i < 3; ++i)
-        out[i] = Int(std::lround(std::clamp(v.direction[i] / v.area, -1.0f, 1.0f) * top));
+    for (int i = 0; i < 3; ++i) out[i] = Int(std::lround(std::clamp(v.direction[i] / v.area, -1.0f, 1.0f) * top));
     return out;
 }
 

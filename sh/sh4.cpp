@@ -15,9 +15,7 @@ float largestDirection(float area) { return area * (1 - area / float(4 * kPi)); 
 
 }  // namespace
 
-Sh4 shBasis(const glm::vec3& w) {
-    return {{float(kBand0), float(kBand1 * w.y), float(kBand1 * w.z), float(kBand1 * w.x)}};
-}
+Sh4 shBasis(const glm::vec3& w) { return {{float(kBand0), float(kBand1 * w.y), float(kBand1 * w.z), float(kBand1 * w.x)}}; }
 
 Sh4 project(std::span<const glm::vec3> open, double solidAngle) {
     double sum[4]{};
@@ -31,13 +29,11 @@ Sh4 project(std::span<const glm::vec3> open, double solidAngle) {
 }
 
 Sh4 toSh4(const Visibility& v) {
-    return {{float(v.area * kBand0), float(v.direction.y * kBand1), float(v.direction.z * kBand1),
-             float(v.direction.x * kBand1)}};
+    return {{float(v.area * kBand0), float(v.direction.y * kBand1), float(v.direction.z * kBand1), float(v.direction.x * kBand1)}};
 }
 
 Visibility toVisibility(const Sh4& sh) {
-    return {{float(sh.c[3] / kBand1), float(sh.c[1] / kBand1), float(sh.c[2] / kBand1)},
-            float(sh.c[0] / kBand0)};
+    return {{float(sh.c[3] / kBand1), float(sh.c[1] / kBand1), float(sh.c[2] / kBand1)}, float(sh.c[0] / kBand0)};
 }
 
 float capness(const Visibility& v) {

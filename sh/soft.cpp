@@ -47,8 +47,7 @@ SoftAperture toSoft(const Visibility& any, const vec3& normal) {
     const float rootOpen = std::sqrt(x), rootBlocked = std::sqrt(1 - x);
     const Cell area(rootOpen / (rootOpen + rootBlocked), soft_grid::kAreas);
     const Cell turn(0.5f - 0.5f * above / std::max(std::abs(above) + t, 1e-20f), soft_grid::kPsis);
-    const float w[4] = {(1 - area.t) * (1 - turn.t), (1 - area.t) * turn.t, area.t * (1 - turn.t),
-                        area.t * turn.t};
+    const float w[4] = {(1 - area.t) * (1 - turn.t), (1 - area.t) * turn.t, area.t * (1 - turn.t), area.t * turn.t};
     const Column* first = &kTable[area.index * soft_grid::kPsis + turn.index];
     const Column* columns[4] = {first, first + 1, first + soft_grid::kPsis, first + soft_grid::kPsis + 1};
     float boundary = 0;

@@ -66,8 +66,8 @@ void overHemisphere(double tilt, std::vector<double> breaks, F&& f) {
 
 struct Moments {
     double potential = 0;
-    dvec3 value{0};   // A, D_n, D_t
-    dmat3 slope{0};   // their derivatives by offset, n, t
+    dvec3 value{0};  // A, D_n, D_t
+    dmat3 slope{0};  // their derivatives by offset, n, t
 };
 
 Moments moments(double offset, const dvec2& b) {
@@ -140,8 +140,7 @@ HardBoundary::HardBoundary(double area, int tilts) {
         auto halfSpace = [&](double radius) {
             dvec3 sum(0);
             overHemisphere(tilt, {radius}, [&](double weight, double c, double s, double reach) {
-                if (c > std::cos(radius))
-                    sum += weight * dvec3(2 * reach, 2 * reach * c * axis + 2 * std::sin(reach) * s * e);
+                if (c > std::cos(radius)) sum += weight * dvec3(2 * reach, 2 * reach * c * axis + 2 * std::sin(reach) * s * e);
             });
             return sum;
         };
@@ -158,8 +157,7 @@ HardBoundary::HardBoundary(double area, int tilts) {
 }
 
 double HardBoundary::operator()(double psi) const {
-    const size_t i = std::clamp<size_t>(std::lower_bound(psi_.begin(), psi_.end(), psi) - psi_.begin(), 1,
-                                        psi_.size() - 1);
+    const size_t i = std::clamp<size_t>(std::lower_bound(psi_.begin(), psi_.end(), psi) - psi_.begin(), 1, psi_.size() - 1);
     const double t = (psi - psi_[i - 1]) / std::max(psi_[i] - psi_[i - 1], 1e-12);
     return radius_[i - 1] + std::clamp(t, 0.0, 1.0) * (radius_[i] - radius_[i - 1]);
 }

@@ -11,7 +11,7 @@ struct SoftProblem {
     double n, t;  // D's components, sr; (A, D) strictly inside what a region of the hemisphere can have
 };
 struct SoftSolution {
-    double n, t;    // slope
+    double n, t;  // slope
     double offset;
 };
 

@@ -82,19 +82,22 @@ APERTURA_FN Overlap overlapOf(lpfloat distance, lpfloat height, lpvec3 capTerms,
     lpfloat root = inversesqrt(o.distance);
     lpfloat d = o.distance * root * (lpfloat(1.3946) + lpfloat(0.233) * o.distance);
     o.inverse = lightClass != LIGHTS_ANY ? root * (lpfloat(0.7165) - lpfloat(0.1033) * o.distance)
-                                  : root * (lpfloat(0.717) - lpfloat(0.1198) * o.distance + lpfloat(0.02) * o.distance * o.distance);
+                                         : root * (lpfloat(0.717) - lpfloat(0.1198) * o.distance + lpfloat(0.02) * o.distance * o.distance);
     // x: how far the light has come in, 0 touching from outside .. 1 nested.
     lpfloat x = clamp((R + r - d) * lpfloat(0.5) * max(inverseR, light.inverseAngle), lpfloat(0.0), lpfloat(1.0));
     lpfloat k = min(R * light.inverseAngle, r * inverseR);
     lpfloat larger = lightClass != LIGHTS_ANY ? height : max(height, light.height);
     lpfloat middle = x - x * x;
-    lpfloat bulge = k * (lpfloat(0.2736) * larger - lpfloat(0.2736) - lpfloat(0.1778) * k) + (lpfloat(0.573) - lpfloat(0.71) * middle - lpfloat(0.153) * k) * (lpfloat(2.0) * x - lpfloat(1.0));
+    lpfloat bulge = k * (lpfloat(0.2736) * larger - lpfloat(0.2736) - lpfloat(0.1778) * k)
+                  + (lpfloat(0.573) - lpfloat(0.71) * middle - lpfloat(0.153) * k) * (lpfloat(2.0) * x - lpfloat(1.0));
     o.share = clamp(x + middle * bulge, lpfloat(0.0), lpfloat(1.0));
     return o;
 }
 
 // Of the light's solid angle, what is inside.
-APERTURA_FN lpfloat overlapOfLight(Overlap o, lpfloat height, CapLight light) { return o.share * min(height * light.inverseHeight, lpfloat(1.0)); }
+APERTURA_FN lpfloat overlapOfLight(Overlap o, lpfloat height, CapLight light) {
+    return o.share * min(height * light.inverseHeight, lpfloat(1.0));
+}
 
 // The cosine to the normal of the overlap's centroid, from those of the aperture's axis and the light's: it lies
 // on the way t from the one to the other.
@@ -127,7 +130,9 @@ APERTURA_FN lpfloat visibleFraction(lpvec3 normal, Aperture aperture, CapLight l
         Overlap o = overlapOf(distanceOf(aperture.axis, light.axis), aperture.height, aperture.terms, light, lightClass);
         return overlapOfLight(o, aperture.height, light);
     }
-    return clamp(irradianceThroughAperture(normal, aperture, light, lightClass) / max(irradianceAboveHorizon(normal, light), lpsmall(1e-12)), lpfloat(0.0), lpfloat(1.0));
+    return clamp(
+        irradianceThroughAperture(normal, aperture, light, lightClass) / max(irradianceAboveHorizon(normal, light), lpsmall(1e-12)),
+        lpfloat(0.0), lpfloat(1.0));
 }
 
 // The share of a light's E inside an aperture of any height: one over a hemisphere is what its complement
@@ -156,18 +161,22 @@ APERTURA_FN lpfloat visibleFractionOfEither(lpvec3 normal, Aperture aperture, Ca
 }
 
 // 1 over the deviation of an aperture's plane across a light. `along`: the cosine between their axes, both unit.
-APERTURA_FN lpfloat inverseDeviationOfCap(lpfloat along, CapLight light) { return inversesqrt(max(covariance(lpfloat(1.0), along, along, light), lpsmall(1e-12))); }
+APERTURA_FN lpfloat inverseDeviationOfCap(lpfloat along, CapLight light) {
+    return inversesqrt(max(covariance(lpfloat(1.0), along, along, light), lpsmall(1e-12)));
+}
 
 // E of a cap light through the intersection of two apertures or, where `complement` is 1, through what it
 // leaves. A cap less an anti-cap is one with a large cap, its complement; two caps are what two large ones
 // leave. How much of the light both hold depends on how their edges lie to each other as the light sees it.
 // `between`: the cosine between their axes.
-APERTURA_FN lpfloat irradianceThroughTwoCaps(lpvec3 normal, Aperture a, Aperture b, lpfloat between, lpfloat complement, CapLight light, int lightClass) {
+APERTURA_FN lpfloat irradianceThroughTwoCaps(lpvec3 normal, Aperture a, Aperture b, lpfloat between, lpfloat complement, CapLight light,
+                                             int lightClass) {
     lpfloat p = visibleFractionOfEither(normal, a, light, lightClass);
     lpfloat q = visibleFractionOfEither(normal, b, light, lightClass);
     lpfloat alongA = dot(a.axis, light.axis);
     lpfloat alongB = dot(b.axis, light.axis);
-    lpfloat correlation = covariance(between, alongA, alongB, light) * inverseDeviationOfCap(alongA, light) * inverseDeviationOfCap(alongB, light);
+    lpfloat correlation = covariance(between, alongA, alongB, light) * inverseDeviationOfCap(alongA, light)
+                        * inverseDeviationOfCap(alongB, light);
     lpfloat both = meanOfTwo(p, q, edgeAlignment(correlation));
     return unoccludedIrradiance(normal, light, lightClass) * (complement > lpfloat(0.5) ? lpfloat(1.0) - both : both);
 }

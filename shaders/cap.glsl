@@ -26,13 +26,13 @@ APERTURA_FN lpvec3 tangentTo(lpvec3 normal) {
 // A light of uniform radiance that fills the cap {w : dot(w, axis) >= cos(radius)}, radius <= pi/2, with what
 // the formulas need of its size: made once a light by capLight, not once a pixel.
 struct APERTURA_STD140 CapLight {
-    lpvec3 axis;            // unit, towards the light's centre
-    lpfloat sinRadius;      // 0..1
-    lpfloat height;         // 1 - cos(radius), 0..1
-    lpfloat area;           // pi sinRadius^2: E of a light overhead
-    lpfloat rim;            // see horizonCosine
+    lpvec3 axis;        // unit, towards the light's centre
+    lpfloat sinRadius;  // 0..1
+    lpfloat height;     // 1 - cos(radius), 0..1
+    lpfloat area;       // pi sinRadius^2: E of a light overhead
+    lpfloat rim;        // see horizonCosine
     lpfloat rimSlope;
-    lpfloat angle;          // pseudoAngle(height), and 1 over it
+    lpfloat angle;  // pseudoAngle(height), and 1 over it
     lpfloat inverseAngle;
     lpfloat inverseSin;     // 1 over sinRadius
     lpfloat inverseHeight;  // 1 over height
@@ -66,7 +66,8 @@ APERTURA_FN CapLight capLight(lpvec3 towards, lpfloat sinRadius) {
     lpvec2 rim = rimOf(sinRadius);
     lpfloat bulge = height / max(sinRadius, lpsmall(1e-9));
     return CapLight(axis, sinRadius, height, PI * sinRadius * sinRadius, rim.x, rim.y, angle, lpfloat(1.0) / max(angle, lpsmall(1e-9)),
-                    lpfloat(1.0) / max(sinRadius, lpsmall(1e-9)), lpfloat(1.0) / max(height, lpsmall(1e-18)), lpfloat(1.0) - lpfloat(0.346) * height, lpfloat(0.62) * sinRadius * sinRadius,
+                    lpfloat(1.0) / max(sinRadius, lpsmall(1e-9)), lpfloat(1.0) / max(height, lpsmall(1e-18)),
+                    lpfloat(1.0) - lpfloat(0.346) * height, lpfloat(0.62) * sinRadius * sinRadius,
                     lpfloat(1.0) - lpfloat(0.3333) * bulge * bulge);
 }
 

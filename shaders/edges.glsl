@@ -7,7 +7,9 @@
 // The covariance over a light's directions w of dot(a, w) and dot(b, w), in quarters of its squared sine, from dot(a, b)
 // and what a and b have along its axis: across the axis w varies by a quarter of that, along it by a twelfth of the
 // squared height. Within 6 % of their deviations to 45 degrees.
-APERTURA_FN lpfloat covariance(lpfloat product, lpfloat alongA, lpfloat alongB, CapLight light) { return product - light.axialWeight * alongA * alongB; }
+APERTURA_FN lpfloat covariance(lpfloat product, lpfloat alongA, lpfloat alongB, CapLight light) {
+    return product - light.axialWeight * alongA * alongB;
+}
 
 // How far two edges coincide, as a light sees them, from the correlation of their planes across it: 1 they are one,
 // 0 they cross, -1 they face each other. After 2 / pi asin(c), the law of two normal variables of correlation c at
@@ -36,7 +38,8 @@ APERTURA_FN lpfloat meanOfThree(lpvec3 p, lpvec3 pair) {
 // Of four, from the pairs 01, 23 and 02, 12, 03, 13: the first pair is one, and the mean of it with each of the others a
 // mean of three. Another order of the four would give up to 0.04 more or less.
 APERTURA_FN lpfloat meanOfFour(lpvec4 p, lpvec2 two, lpvec4 pair) {
-    lpvec2 withPair = lpvec2(meanOfThree(lpvec3(p), lpvec3(two.x, pair.x, pair.y)), meanOfThree(lpvec3(p.x, p.y, p.w), lpvec3(two.x, pair.z, pair.w)));
+    lpvec2 withPair = lpvec2(meanOfThree(lpvec3(p), lpvec3(two.x, pair.x, pair.y)),
+                             meanOfThree(lpvec3(p.x, p.y, p.w), lpvec3(two.x, pair.z, pair.w)));
     return meanOfThree(lpvec3(two.x, p.z, p.w), lpvec3(withPair, two.y));
 }
 

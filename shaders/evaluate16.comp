@@ -41,8 +41,9 @@ void main() {
     receiver.visibility = narrow(inputs[i].visibility);
     for (int k = 0; k < MAX_SLOTS; ++k) receiver.params[k] = narrow(inputs[i].params[k]);
     WideLight wide = capLight(inputs[i].light.xyz, inputs[i].light.w);
-    CapLight light = CapLight(f16vec3(narrow(vec4(wide.axis, 0.0))), narrow(wide.sinRadius), narrow(wide.height), narrow(wide.area), narrow(wide.rim),
-                              narrow(wide.rimSlope), narrow(wide.angle), narrow(wide.inverseAngle), narrow(wide.inverseSin),
-                              narrow(wide.inverseHeight), narrow(wide.shrink), narrow(wide.spread), narrow(wide.axialWeight));
+    CapLight light = CapLight(f16vec3(narrow(vec4(wide.axis, 0.0))), narrow(wide.sinRadius), narrow(wide.height), narrow(wide.area),
+                              narrow(wide.rim), narrow(wide.rimSlope), narrow(wide.angle), narrow(wide.inverseAngle),
+                              narrow(wide.inverseSin), narrow(wide.inverseHeight), narrow(wide.shrink), narrow(wide.spread),
+                              narrow(wide.axialWeight));
     results[i] = vec2(irradianceThrough(model, receiver, light, lightClass), skyIrradiance(model, receiver));
 }

@@ -17,9 +17,9 @@ APERTURA_FN bool isSphere(Light light) { return light.sphere.w > 0.0f; }
 
 struct Frame {
     mat4 toClip;
-    vec4 sky;       // rgb, W/m2/sr, from everywhere that no light fills
-    vec4 albedo;    // rgb, 0..1
-    ivec4 counts;   // x: lights
+    vec4 sky;      // rgb, W/m2/sr, from everywhere that no light fills
+    vec4 albedo;   // rgb, 0..1
+    ivec4 counts;  // x: lights
     Light lights[MAX_LIGHTS];
 };
 

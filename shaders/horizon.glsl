@@ -21,7 +21,8 @@ APERTURA_FN lpfloat irradianceOverHorizon(lpvec3 normal, lpvec4 h0, lpvec4 h1, l
     lpfloat horizon = mix(a[i & 3], b[j & 3], at - floor(at));
     lpfloat above = capRadius(lpfloat(1.0) - horizon) - capRadius(lpfloat(1.0) - z);
     lpfloat t = clamp(lpfloat(0.5) + lpfloat(0.5) * above / max(capRadius(light.height), lpsmall(1e-6)), lpfloat(0.0), lpfloat(1.0));
-    return unoccludedIrradiance(normal, light, lightClass) * t * (lpfloat(1.0) + lpfloat(0.6687) * (lpfloat(1.0) - t) * (lpfloat(2.0) * t - lpfloat(1.0)));
+    return unoccludedIrradiance(normal, light, lightClass) * t
+         * (lpfloat(1.0) + lpfloat(0.6687) * (lpfloat(1.0) - t) * (lpfloat(2.0) * t - lpfloat(1.0)));
 }
 
 #endif

@@ -50,7 +50,8 @@ APERTURA_FN lpfloat irradianceThroughCapAnti(Receiver receiver, CapLight light, 
 APERTURA_FN lpfloat irradianceThroughChoice(Receiver receiver, CapLight light, int lightClass) {
     lpvec3 n = receiver.normal;
     int chosen = choiceIn(receiver.params[CHOICE_SLOT]).model;
-    if (chosen == MODEL_AO) return unoccludedIrradiance(n, light, lightClass) * min(receiver.visibility.w / (lpfloat(2.0) * PI), lpfloat(1.0));
+    if (chosen == MODEL_AO)
+        return unoccludedIrradiance(n, light, lightClass) * min(receiver.visibility.w / (lpfloat(2.0) * PI), lpfloat(1.0));
     if (chosen == MODEL_APERTURE) return irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass);
     if (chosen == MODEL_SOFT && lightClass != LIGHTS_ANY) return irradianceThroughSoft(n, softIn(receiver.params[0]), light, lightClass);
     if (chosen == MODEL_SOFT_2 || chosen == MODEL_FIRM_2) return irradianceThroughLobes(receiver, 2, light, lightClass);
@@ -76,10 +77,14 @@ APERTURA_FN lpfloat irradianceThrough(int model, Receiver receiver, CapLight lig
         case MODEL_APERTURE: e = irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass); break;
         case MODEL_ALPHA: e = opacityIn(receiver) * irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass); break;
         case MODEL_ANTI: e = irradianceThroughAnti(receiver, light, lightClass); break;
-        case MODEL_SOFT: e = atMostTheSky(irradianceThroughSoft(n, softIn(receiver.params[0]), light, lightClass), receiver, lightClass); break;
+        case MODEL_SOFT:
+            e = atMostTheSky(irradianceThroughSoft(n, softIn(receiver.params[0]), light, lightClass), receiver, lightClass);
+            break;
         case MODEL_FIRM_2:
         case MODEL_SOFT_2: e = atMostTheSky(irradianceThroughLobes(receiver, 2, light, lightClass), receiver, lightClass); break;
-        case MODEL_SOFT_L2: e = atMostTheSky(irradianceThroughQuadric(n, quadricIn(receiver), light, lightClass), receiver, lightClass); break;
+        case MODEL_SOFT_L2:
+            e = atMostTheSky(irradianceThroughQuadric(n, quadricIn(receiver), light, lightClass), receiver, lightClass);
+            break;
         case MODEL_FIRM_3: e = atMostTheSky(irradianceThroughLobes(receiver, 3, light, lightClass), receiver, lightClass); break;
         case MODEL_FIRM_4: e = atMostTheSky(irradianceThroughLobes(receiver, 4, light, lightClass), receiver, lightClass); break;
         case MODEL_MULTI_2: e = atMostTheSky(open * visibleFractionOfUnion(receiver, 2, light, lightClass), receiver, lightClass); break;
@@ -101,7 +106,8 @@ APERTURA_FN lpfloat skyIrradiance(int model, Receiver receiver) {
     switch (model) {
         case MODEL_UNSHADOWED: return PI;
         case MODEL_AO: return lpfloat(0.5) * receiver.visibility.w;
-        case MODEL_OAT: return lpfloat(2.0) * PI * receiver.params[0].w * max(dot(receiver.normal, lpvec3(receiver.params[0])), lpfloat(0.0));
+        case MODEL_OAT:
+            return lpfloat(2.0) * PI * receiver.params[0].w * max(dot(receiver.normal, lpvec3(receiver.params[0])), lpfloat(0.0));
         default: return max(dot(receiver.normal, lpvec3(receiver.visibility)), lpfloat(0.0));
     }
 }

@@ -77,8 +77,8 @@ struct TwoCaps {
 APERTURA_FN TwoCaps twoCapsIn(Receiver receiver) {
     lpvec4 rest = receiver.params[2];
     lpvec4 terms = receiver.params[3];
-    return TwoCaps(apertureIn(receiver.params[0], lpvec3(terms.x, terms.y, rest.z)), apertureIn(receiver.params[1], lpvec3(terms.z, terms.w, rest.w)), rest.x,
-                   rest.y);
+    return TwoCaps(apertureIn(receiver.params[0], lpvec3(terms.x, terms.y, rest.z)),
+                   apertureIn(receiver.params[1], lpvec3(terms.z, terms.w, rest.w)), rest.x, rest.y);
 }
 APERTURA_FN Receiver withTwoCaps(Receiver receiver, TwoCaps caps) {
     receiver.params[0] = slotOf(caps.first);
@@ -127,7 +127,9 @@ struct Choice {
 };
 const int CHOICE_SLOT = 4;  // four lobes have their Combination in its other letters
 APERTURA_FN Choice choiceIn(lpvec4 slot) { return Choice(int(slot.y + lpfloat(0.5)), slot.z > lpfloat(0.5)); }
-APERTURA_FN lpvec4 withChoice(lpvec4 slot, Choice choice) { return lpvec4(slot.x, lpfloat(choice.model), choice.outOfReach ? lpfloat(1.0) : lpfloat(0.0), slot.w); }
+APERTURA_FN lpvec4 withChoice(lpvec4 slot, Choice choice) {
+    return lpvec4(slot.x, lpfloat(choice.model), choice.outOfReach ? lpfloat(1.0) : lpfloat(0.0), slot.w);
+}
 
 // An axis made unit again; where nothing is left of it the normal is the best guess.
 APERTURA_FN Aperture renormalisedAperture(lpvec4 slot, lpvec3 normal) {
@@ -142,10 +144,13 @@ APERTURA_FN Receiver renormalised(int model, Receiver receiver) {
     switch (model) {
         case MODEL_OAT: receiver.params[0] = slotOf(renormalisedAperture(receiver.params[0], receiver.normal)); break;
         case MODEL_APERTURE:
-        case MODEL_ALPHA: receiver = withAperture(receiver, renormalisedAperture(receiver.params[0], receiver.normal), opacityIn(receiver)); break;
+        case MODEL_ALPHA:
+            receiver = withAperture(receiver, renormalisedAperture(receiver.params[0], receiver.normal), opacityIn(receiver));
+            break;
         case MODEL_ANTI:
-            receiver = withTwoCaps(receiver, TwoCaps(renormalisedAperture(receiver.params[0], receiver.normal),
-                                                     renormalisedAperture(receiver.params[1], receiver.normal), twoCapsIn(receiver).weight, lpfloat(0.0)));
+            receiver = withTwoCaps(
+                receiver, TwoCaps(renormalisedAperture(receiver.params[0], receiver.normal),
+                                  renormalisedAperture(receiver.params[1], receiver.normal), twoCapsIn(receiver).weight, lpfloat(0.0)));
             break;
         default: break;
     }

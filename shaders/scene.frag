@@ -6,8 +6,8 @@
 // One pipeline a model and class of lights.
 layout(constant_id = 0) const int model = MODEL_SOFT;
 layout(constant_id = 1) const int lightClass = LIGHTS_ANY;
-layout(constant_id = 2) const uint slots = 1;     // of the parameters
-layout(constant_id = 3) const bool mixes = true;  // parameters may be interpolated
+layout(constant_id = 2) const uint slots = 1;                                          // of the parameters
+layout(constant_id = 3) const bool mixes = true;                                       // parameters may be interpolated
 layout(std430, set = 0, binding = 3) readonly buffer AllParams { vec4 allParams[]; };  // `slots` a vertex
 
 layout(location = 0) in vec3 worldPosition;

@@ -7,7 +7,8 @@
 // two, and 2 and 3 of four, may be a pair, which lets through what the product of the two leaves of 1.
 APERTURA_FN lpfloat combineLobes(int count, MeanProducts m, Combination c) {
     lpfloat product = m.all;
-    if (count >= 3 && c.pairs > lpfloat(0.5)) product = count >= 4 && c.pairs > lpfloat(1.5) ? lpfloat(1.0) - m.pair.x - m.pair.y + m.all : m.last - m.all;
+    if (count >= 3 && c.pairs > lpfloat(0.5))
+        product = count >= 4 && c.pairs > lpfloat(1.5) ? lpfloat(1.0) - m.pair.x - m.pair.y + m.all : m.last - m.all;
     return c.complement > lpfloat(0.5) ? lpfloat(1.0) - product : product;
 }
 
@@ -19,8 +20,10 @@ APERTURA_FN MeanProducts productsOver(Receiver receiver, int count, lpvec4 p, lp
     lpfloat w1 = edgeAlignment(covariance(dot(s[0], s[1]), along.x, along.y, light) * inverseDeviation.x * inverseDeviation.y);
     lpvec2 w2 = lpvec2(lpfloat(0.0));
     lpvec3 w3 = lpvec3(lpfloat(0.0));
-    for (int k = 0; k < 2 && count >= 3; ++k) w2[k] = edgeAlignment(covariance(dot(s[k], s[2]), along[k], along.z, light) * inverseDeviation[k] * inverseDeviation.z);
-    for (int k = 0; k < 3 && count >= 4; ++k) w3[k] = edgeAlignment(covariance(dot(s[k], s[3]), along[k], along.w, light) * inverseDeviation[k] * inverseDeviation.w);
+    for (int k = 0; k < 2 && count >= 3; ++k)
+        w2[k] = edgeAlignment(covariance(dot(s[k], s[2]), along[k], along.z, light) * inverseDeviation[k] * inverseDeviation.z);
+    for (int k = 0; k < 3 && count >= 4; ++k)
+        w3[k] = edgeAlignment(covariance(dot(s[k], s[3]), along[k], along.w, light) * inverseDeviation[k] * inverseDeviation.w);
     return meanProducts(count, p, w1, w2, w3);
 }
 
@@ -49,9 +52,9 @@ APERTURA_FN lpfloat irradianceThroughLobes(Receiver receiver, int count, CapLigh
         for (int k = 0; k < count; ++k) {
             SoftAperture lobe = softIn(receiver.params[k]);
             along[k] = dot(lobe.slope, light.axis);
-            p[k] = lightClass == LIGHTS_SUN     ? softStep(lobe.offset + along[k])
+            p[k] = lightClass == LIGHTS_SUN   ? softStep(lobe.offset + along[k])
                  : lightClass == LIGHTS_SMALL ? lobeOverMedium(lobe, light)
-                                        : softStepOverLight(n, lobe.offset + along[k], lobe.slope, light, lobeDisc());
+                                              : softStepOverLight(n, lobe.offset + along[k], lobe.slope, light, lobeDisc());
             inverseDeviation[k] = inverseDeviationOfLobe(lobe.slope, along[k], light);
         }
         if (lightClass == LIGHTS_SUN) return unoccludedIrradiance(n, light, lightClass) * combineLobes(count, plainProducts(p), combine);

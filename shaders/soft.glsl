@@ -8,7 +8,7 @@
 
 // The open directions around a point, soft-edged.
 struct SoftAperture {
-    lpvec3 slope;    // towards the open side; its length is the sharpness: 0 even haze, 10 a hard edge
+    lpvec3 slope;  // towards the open side; its length is the sharpness: 0 even haze, 10 a hard edge
     lpfloat offset;
 };
 
@@ -23,13 +23,19 @@ struct DiscLaw {
     lpfloat through;   // and for the bulge, in squared heights
     lpfloat ends;      // of the line: 1 sharp; a disc's edges come in more softly
 };
-APERTURA_FN DiscLaw wholeDisc(lpfloat across, lpfloat ends) { return DiscLaw(lpfloat(0.5084), lpfloat(0.5032), lpfloat(0.1667), across, lpfloat(0.22), ends); }
-APERTURA_FN DiscLaw quarterDisc(lpfloat across, lpfloat ends) { return DiscLaw(lpfloat(0.5677), lpfloat(0.3954), lpfloat(0.1008), across, lpfloat(0.2322), ends); }
+APERTURA_FN DiscLaw wholeDisc(lpfloat across, lpfloat ends) {
+    return DiscLaw(lpfloat(0.5084), lpfloat(0.5032), lpfloat(0.1667), across, lpfloat(0.22), ends);
+}
+APERTURA_FN DiscLaw quarterDisc(lpfloat across, lpfloat ends) {
+    return DiscLaw(lpfloat(0.5677), lpfloat(0.3954), lpfloat(0.1008), across, lpfloat(0.2322), ends);
+}
 // Each as sharp as lets no light that crosses the built-in scenes step further than its rim sweeps (of three lobes 3 %): of
 // several lobes edges may be one, and the plane of a quadric turns from quarter to quarter.
 APERTURA_FN DiscLaw softDisc() { return wholeDisc(lpfloat(0.65), lpfloat(0.87)); }
 APERTURA_FN DiscLaw lobeDisc() { return wholeDisc(lpfloat(0.68), lpfloat(0.88)); }
-APERTURA_FN DiscLaw lobeQuarter(int count) { return count < 4 ? quarterDisc(lpfloat(0.70), lpfloat(0.77)) : quarterDisc(lpfloat(0.79), lpfloat(0.74)); }
+APERTURA_FN DiscLaw lobeQuarter(int count) {
+    return count < 4 ? quarterDisc(lpfloat(0.70), lpfloat(0.77)) : quarterDisc(lpfloat(0.79), lpfloat(0.74));
+}
 APERTURA_FN DiscLaw quadricQuarter() { return quarterDisc(lpfloat(0.89), lpfloat(0.74)); }
 
 // The mean of softStep(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
@@ -123,13 +129,13 @@ APERTURA_FN FourLights quarters(lpvec3 normal, CapLight light) {
 struct SoftQuadric {
     lpvec3 slope;
     lpfloat offset;
-    lpvec4 bend;      // Qxx, Qyy, Qxy, Qxz
+    lpvec4 bend;  // Qxx, Qyy, Qxy, Qxz
     lpfloat bendYz;
 };
 
 APERTURA_FN lpvec3 bendTimes(SoftQuadric q, lpvec3 w) {
     return lpvec3(q.bend.x * w.x + q.bend.z * w.y + q.bend.w * w.z, q.bend.z * w.x + q.bend.y * w.y + q.bendYz * w.z,
-                q.bend.w * w.x + q.bendYz * w.y - (q.bend.x + q.bend.y) * w.z);
+                  q.bend.w * w.x + q.bendYz * w.y - (q.bend.x + q.bend.y) * w.z);
 }
 
 // E of a cap light through it: the step's plane is the quadric's tangent at the light's quarters.

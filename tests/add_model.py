@@ -35,7 +35,7 @@ APERTURA_FN float capHeightTo(vec4 aperture, CapLight light) { return 1.0f - dot
 
 """)
     table = folder / "sh/models.cpp"
-    insert(table, "};\nstatic_assert(std::size(kModels)", """\
+    insert(table, "};\n// clang-format on\nstatic_assert(std::size(kModels)", """\
     {.id = MODEL_FALLOFF, .name = "falloff", .numbers = 3, .slots = 1, .mixes = true, .fromVisibility = oneCap, .what = "linear falloff"},
     {.id = MODEL_MULTI_1, .name = "multi-1", .kind = Kind::Union, .parts = 1, .numbers = 3, .slots = 2, .stored = {Cap}, .what = "one aperture"},
 """)

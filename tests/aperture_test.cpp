@@ -45,8 +45,10 @@ TEST(Aperture, LightThroughItIsWithinThreeThousandthsOfExact) {
 }
 
 TEST(Aperture, AndSoAreTheFormulasForLightsOfASize) {
-    const Errors medium = againstExact(15, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_MEDIUM); }, 3, 10);
-    const Errors small = againstExact(16, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_SMALL); }, 0.27, 3);
+    const Errors medium = againstExact(
+        15, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_MEDIUM); }, 3, 10);
+    const Errors small = againstExact(
+        16, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_SMALL); }, 0.27, 3);
     std::printf("medium: rms %.4f max %.4f, small: rms %.4f max %.4f\n", medium.rms, medium.max, small.rms, small.max);
     EXPECT_LE(medium.rms, 0.003);
     EXPECT_LE(medium.max, 0.035);

@@ -1,9 +1,9 @@
-#include "bake/sampling/directions.h"
-#include "bake/measure/truth.h"
 #include "bake/fit/bake.h"
+#include "bake/measure/truth.h"
+#include "bake/sampling/directions.h"
 
-#include "bake/scene/load.h"
 #include "bake/sampling/surface_points.h"
+#include "bake/scene/load.h"
 #include "bake/scene/shapes.h"
 #include "sh/packing.h"
 #include "tests/support.h"
@@ -141,7 +141,8 @@ TEST(Bake, SharedSurfacesAreTracedInEveryPlace) {
     EXPECT_TRUE(tracer.occluded({0, 5, 0}, {0, -1, 0}, kNoLimit));
     EXPECT_TRUE(tracer.occluded({3, 5, 0}, {0, -1, 0}, kNoLimit));
     // Packets that skim flat instances once kept Embree from coming to an end.
-    Scene flat = sceneOf(Surface{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, std::vector<glm::vec3>(4, {0, 0, 1}), {{0, 1, 2}, {0, 2, 3}}});
+    Scene flat = sceneOf(
+        Surface{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, std::vector<glm::vec3>(4, {0, 0, 1}), {{0, 1, 2}, {0, 2, 3}}});
     flat.instances.push_back({0, there});
     const SurfacePoint on{{0.4f, 0.3f, 0}, {0, 0, 1}};
     EXPECT_NEAR(visibilityAt(Tracer(flat), {&on, 1}, {.recipe = "sh", .rays = 4096})[0].area, 2 * pi, 1e-3);
@@ -159,10 +160,10 @@ TEST(Bake, LatticeErrorAt256RaysOnTheBunny) {
     std::vector<SurfacePoint> points;
     const Surface& surface = scene.surfaces[0];
     for (size_t v = 0; v < surface.positions.size(); v += 24) points.push_back({surface.positions[v], surface.normals[v]});
-    const auto truth = visibilityAt(tracer, points, {.recipe = "rays", .rays = 16384, .seed = 99}), baked = visibilityAt(tracer, points, {});
+    const auto truth = visibilityAt(tracer, points, {.recipe = "rays", .rays = 16384, .seed = 99}),
+               baked = visibilityAt(tracer, points, {});
     double sum = 0;
-    for (size_t i = 0; i < points.size(); ++i)
-        sum += std::pow((unpack(pack8(baked[i])).area - truth[i].area) / (2 * pi), 2);
+    for (size_t i = 0; i < points.size(); ++i) sum += std::pow((unpack(pack8(baked[i])).area - truth[i].area) / (2 * pi), 2);
     const double rms = std::sqrt(sum / double(points.size()));
     std::printf("stored area at 256 rays: rms %.5f of the hemisphere over %zu vertices\n", rms, points.size());
     EXPECT_LE(rms, 0.010);

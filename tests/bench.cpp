@@ -12,13 +12,13 @@
 #include <memory>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
-#include "bake/measure/truth.h"
 #include "bake/fit/bake.h"
-#include "bake/scene/load.h"
+#include "bake/measure/truth.h"
+#include "bake/sampling/directions.h"
 #include "bake/sampling/surface_points.h"
-#include "sh/packing.h"
+#include "bake/scene/load.h"
 #include "sh/aperture.h"
+#include "sh/packing.h"
 #include "sh/soft.h"
 
 namespace apertura {
@@ -127,8 +127,12 @@ void convertAll(benchmark::State& state, Convert&& convert) {
         for (size_t i = 0; i < bytes.size(); ++i) benchmark::DoNotOptimize(convert(unpack(bytes[i]), statue().points[i].normal));
     state.counters["vertices"] = benchmark::Counter(double(bytes.size()) * double(state.iterations()), benchmark::Counter::kIsRate);
 }
-void ToAperture(benchmark::State& state) { convertAll(state, [](const Visibility& v, const vec3& n) { return toAperture(v, n); }); }
-void ToSoft(benchmark::State& state) { convertAll(state, [](const Visibility& v, const vec3& n) { return toSoft(v, n); }); }
+void ToAperture(benchmark::State& state) {
+    convertAll(state, [](const Visibility& v, const vec3& n) { return toAperture(v, n); });
+}
+void ToSoft(benchmark::State& state) {
+    convertAll(state, [](const Visibility& v, const vec3& n) { return toSoft(v, n); });
+}
 
 // What a recipe makes of the 256 rays of points from six scenes: points a second on one core, the best
 // pass of all. How the errors of two lobes compare with a long search, soft, firm and as caps:

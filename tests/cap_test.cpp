@@ -26,10 +26,10 @@ TEST(CapReference, KnownDegenerateCases) {
     const double r = 0.4, disc = pi * std::sin(r) * std::sin(r);
     EXPECT_NEAR(along({{up, r}}).z, disc, 1e-14);
     EXPECT_NEAR(along({{up, pi}}).z, 0, 1e-14);                      // everything
-    EXPECT_NEAR(along({{up, pi / 2}}).z, pi, 1e-14);                // a hemisphere
-    EXPECT_NEAR(along({{up, r}, {up, r}}).z, disc, 1e-14);            // equal: counted once
-    EXPECT_NEAR(along({{up, r}, {up, 0.9}}).z, disc, 1e-14);          // nested
-    EXPECT_NEAR(length(along({{up, r}, {-up, 0.9}})), 0, 1e-14);      // disjoint
+    EXPECT_NEAR(along({{up, pi / 2}}).z, pi, 1e-14);                 // a hemisphere
+    EXPECT_NEAR(along({{up, r}, {up, r}}).z, disc, 1e-14);           // equal: counted once
+    EXPECT_NEAR(along({{up, r}, {up, 0.9}}).z, disc, 1e-14);         // nested
+    EXPECT_NEAR(length(along({{up, r}, {-up, 0.9}})), 0, 1e-14);     // disjoint
     EXPECT_NEAR(length(along({{up, r}, {-up, pi - r}})), 0, 1e-14);  // complements
     EXPECT_NEAR(along({{up, 0}}).z, 0, 1e-14);
     // Two hemispheres at a right angle: a lune of pi/2, F = pi/2 (side + up).
@@ -53,8 +53,7 @@ TEST(CapReference, HalfACapOnTheHorizon) {
         const double theta = (i + 0.5) / steps * r;
         expected += 2 * std::sin(theta) * std::sin(theta) * r / steps;
     }
-    EXPECT_NEAR(dot(dvec3(0, 0, 1), vectorIrradiance(std::vector<ExactCap>{{{1, 0, 0}, r}, {{0, 0, 1}, pi / 2}})), expected,
-                1e-9);
+    EXPECT_NEAR(dot(dvec3(0, 0, 1), vectorIrradiance(std::vector<ExactCap>{{{1, 0, 0}, r}, {{0, 0, 1}, pi / 2}})), expected, 1e-9);
 }
 
 TEST(Light, CutByTheHorizonWithinAThousandth) {

@@ -77,7 +77,10 @@ TEST(Cli, BakesInfoComparesAndRenders) {
 TEST(Cli, SameBytesForAnyNumberOfThreads) {
     const Folder folder;
     for (int threads : {1, 2, 5})
-        ASSERT_EQ(run("bake builtin:forest -o " + (folder / std::to_string(threads)) + ".glb --rays 16 --threads " + std::to_string(threads)).code, 0);
+        ASSERT_EQ(
+            run("bake builtin:forest -o " + (folder / std::to_string(threads)) + ".glb --rays 16 --threads " + std::to_string(threads))
+                .code,
+            0);
     const std::string one = slurp(folder / "1.glb");
     EXPECT_EQ(one, slurp(folder / "2.glb"));
     EXPECT_EQ(one, slurp(folder / "5.glb"));
@@ -162,9 +165,10 @@ TEST(Cli, DoesNotReplaceItsInputNorWhatIsNoFile) {
 TEST(Cli, RefusesAHeightMapOfOnePixel) {
     const Folder folder;
     // The smallest PNG: 1 x 1, 8 bits of grey.
-    static const unsigned char bytes[] = {
-        0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0, 0x3a, 0x7e, 0x9b, 0x55,
-        0, 0, 0, 10, 'I', 'D', 'A', 'T', 0x78, 0x9c, 0x63, 0x60, 0, 0, 0, 2, 0, 1, 0x48, 0xaf, 0xa4, 0x71, 0, 0, 0, 0, 'I', 'E', 'N', 'D', 0xae, 0x42, 0x60, 0x82};
+    static const unsigned char bytes[] = {0x89, 'P',  'N',  'G',  13,  10,  26,  10,   0,    0,    0,    13,  'I',  'H',  'D',  'R',  0,
+                                          0,    0,    1,    0,    0,   0,   1,   8,    0,    0,    0,    0,   0x3a, 0x7e, 0x9b, 0x55, 0,
+                                          0,    0,    10,   'I',  'D', 'A', 'T', 0x78, 0x9c, 0x63, 0x60, 0,   0,    0,    2,    0,    1,
+                                          0x48, 0xaf, 0xa4, 0x71, 0,   0,   0,   0,    'I',  'E',  'N',  'D', 0xae, 0x42, 0x60, 0x82};
     const std::string path = folder.write("one.png", std::string(reinterpret_cast<const char*>(bytes), sizeof bytes));
     expectRefusal("bake " + path + " -o " + (folder / "o.glb"), 1, "2 x 2");
 }
@@ -209,7 +213,8 @@ TEST(Cli, WhatCannotBeWrittenIsSaidBeforeTheWork) {
     expectRefusal("bake builtin:terrain -o " + (folder / std::string(252, 'n')) + ".glb --rays 1048576", 1, "name too long");
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(120));
     EXPECT_EQ(folder.files(), 2u);
-    EXPECT_EQ(run("bake " + plain + " -o " + (folder / latin) + ".glb --rays 4").code, 0) << "the name of an asset need not be UTF-8: it is not in it";
+    EXPECT_EQ(run("bake " + plain + " -o " + (folder / latin) + ".glb --rays 4").code, 0)
+        << "the name of an asset need not be UTF-8: it is not in it";
     EXPECT_EQ(run("bake " + plain + " -o " + (folder / std::string(251, 'n')) + ".glb --rays 4").code, 0);
     EXPECT_EQ(folder.files(), 4u);
 }
@@ -218,7 +223,8 @@ TEST(Cli, OutputThatCannotBeWrittenIsAFailure) {
     const Folder folder;
     const std::string glb = folder / "o.glb";
     ASSERT_EQ(run("bake " + folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n") + " -o " + glb + " --rays 4").code, 0);
-    for (const std::string& arguments : {"info --json " + glb, "info " + glb, "compare " + glb + " --receivers 2 --models soft", std::string("--help"), std::string("bake --help")}) {
+    for (const std::string& arguments : {"info --json " + glb, "info " + glb, "compare " + glb + " --receivers 2 --models soft",
+                                         std::string("--help"), std::string("bake --help")}) {
         const std::string command = std::string(APERTURA_PROGRAM) + " " + arguments + " >/dev/full 2>" + (folder / "err");
         const int status = std::system(command.c_str());
         EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
@@ -231,8 +237,10 @@ TEST(Cli, FilesThatDoNotFitAreAFailure) {
     const std::string glb = folder / "o.glb";
     ASSERT_EQ(run("bake builtin:room-1 -o " + glb + " --rays 4").code, 0);
     // At most a kilobyte a file: the picture, the table and the asset are larger.
-    for (const std::string& arguments : {"render " + glb + " -o " + (folder / "p.png") + " --size 300x300", "render " + glb + " -o " + (folder / "p.exr") + " --size 300x300",
-                                         "bake " + glb + " -o " + (folder / "p.glb") + " --rays 4", "compare " + glb + " --receivers 4 --json " + (folder / "p.json")}) {
+    for (const std::string& arguments :
+         {"render " + glb + " -o " + (folder / "p.png") + " --size 300x300",
+          "render " + glb + " -o " + (folder / "p.exr") + " --size 300x300", "bake " + glb + " -o " + (folder / "p.glb") + " --rays 4",
+          "compare " + glb + " --receivers 4 --json " + (folder / "p.json")}) {
         const int status = std::system(("ulimit -f 2; " APERTURA_PROGRAM " " + arguments + " >/dev/null 2>/dev/null").c_str());
         EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
         EXPECT_EQ(folder.files(), 1u) << arguments;
@@ -265,10 +273,12 @@ TEST(Cli, WhatAKilledBakeLeftGoesWithTheNext) {
 
 TEST(Cli, SaysThatAnInsideOutMeshIsClosed) {
     const Folder folder;
-    const char* const faces[] = {"f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n",
-                                 "f 4 3 1\nf 2 4 1\nf 8 6 5\nf 7 8 5\nf 6 2 1\nf 5 6 1\nf 8 7 3\nf 4 8 3\nf 7 5 1\nf 3 7 1\nf 8 4 2\nf 6 8 2\n"};
+    const char* const faces[] = {
+        "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n",
+        "f 4 3 1\nf 2 4 1\nf 8 6 5\nf 7 8 5\nf 6 2 1\nf 5 6 1\nf 8 7 3\nf 4 8 3\nf 7 5 1\nf 3 7 1\nf 8 4 2\nf 6 8 2\n"};
     for (const int inside : {0, 1}) {
-        const std::string path = folder.write("a.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n") + faces[inside]);
+        const std::string path = folder.write(
+            "a.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n") + faces[inside]);
         const Result r = run("bake " + path + " -o " + (folder / "o.glb") + " --rays 64");
         EXPECT_EQ(r.code, 0);
         EXPECT_EQ(r.out.find("wound inside out") != std::string::npos, inside == 1) << r.out;
@@ -283,7 +293,8 @@ TEST(Cli, MutantsEndInOneLine) {
 #else
     const char* runs = "100";
 #endif
-    const std::string command = std::string("/usr/bin/python3 " APERTURA_SOURCE "/tests/mutants.py ") + program + " --jobs 2 --seconds 120 --runs " + runs + " --keep "
+    const std::string command = std::string("/usr/bin/python3 " APERTURA_SOURCE "/tests/mutants.py ") + program
+                              + " --jobs 2 --seconds 120 --runs " + runs + " --keep "
                               + (std::filesystem::temp_directory_path() / "apertura-mutants").string() + " >" + (folder / "log") + " 2>&1";
     EXPECT_EQ(std::system(command.c_str()), 0) << slurp(folder / "log");
 }
@@ -302,14 +313,16 @@ TEST(Cli, AssetsPassTheKhronosValidator) {
     for (const std::string& scene : scenes)
         for (const char* bits : {"8", "16"}) {
             ASSERT_EQ(run("bake " + scene + " -o " + (folder / "o.glb") + " --rays 4 --bits " + bits).code, 0) << scene;
-            const std::string command = std::string("node ") + APERTURA_SOURCE + "/tests/validate_gltf.js \"$GLTF_VALIDATOR\" " + (folder / "o.glb");
+            const std::string command = std::string("node ") + APERTURA_SOURCE + "/tests/validate_gltf.js \"$GLTF_VALIDATOR\" "
+                                      + (folder / "o.glb");
             EXPECT_EQ(std::system(command.c_str()), 0) << scene;
         }
 }
 
 TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
     const Folder folder;
-    const std::string obj = folder.write("box.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -1 2 -1\nv 1 2 -1\nf 1 2 3\nf 1 3 4\nf 4 3 6\nf 4 6 5\n");
+    const std::string obj = folder.write(
+        "box.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -1 2 -1\nv 1 2 -1\nf 1 2 3\nf 1 3 4\nf 4 3 6\nf 4 6 5\n");
     for (const char* model : {"sh-fit", "anti", "soft-2", "soft-l2", "sh-l4", "horizon", "auto"}) {
         const std::string glb = folder / (std::string(model) + ".glb");
         Result r = run("bake " + obj + " -o " + glb + " --rays 64 --model " + model);
@@ -384,12 +397,13 @@ TEST(Cli, ChartLeavesATableAndAPageThatSortsInABrowser) {
     // Click on RMSE, the sixth column, then read the column as the browser has it.
     const std::string probe =
         "<script>document.querySelectorAll('#all th')[5].click();"
-        "document.body.innerHTML = 'SORTED ' + [...document.getElementById('all').tBodies[0].rows].map(r => r.cells[5].textContent).join(' ') + ' END';</script></body>";
+        "document.body.innerHTML = 'SORTED ' + [...document.getElementById('all').tBodies[0].rows].map(r => r.cells[5].textContent).join(' "
+        "') + ' END';</script></body>";
     std::string changed = html;
     changed.replace(changed.find("</body>"), 7, probe);
     const std::string page = folder.write("probe.html", changed);
-    std::system(("timeout 60 /usr/bin/chromium --headless --no-sandbox --disable-gpu --user-data-dir=" + (folder / "profile") + " --dump-dom file://" + page
-                 + " >" + (folder / "dom") + " 2>/dev/null")
+    std::system(("timeout 60 /usr/bin/chromium --headless --no-sandbox --disable-gpu --user-data-dir=" + (folder / "profile")
+                 + " --dump-dom file://" + page + " >" + (folder / "dom") + " 2>/dev/null")
                     .c_str());
     const std::string dom = slurp(folder / "dom");
     const size_t at = dom.find("SORTED ");
@@ -415,12 +429,15 @@ TEST(Cli, ChartWithoutMatplotlibStillLeavesTheTable) {
 TEST(Cli, StabilityLeavesTablesAndCharts) {
     const Folder folder;
     const std::string out = folder / "stability";
-    const std::string command = APERTURA_PROGRAM " stability -o " + out + " --models oat,aperture --inputs 20000 --device-inputs 500 --receivers 1 >"
-                              + (folder / "log") + " 2>&1";
+    const std::string command = APERTURA_PROGRAM " stability -o " + out
+                              + " --models oat,aperture --inputs 20000 --device-inputs 500 --receivers 1 >" + (folder / "log") + " 2>&1";
     const int status = std::system(command.c_str());
     ASSERT_EQ(WEXITSTATUS(status), 0) << slurp(folder / "log");
-    for (const char* table : {"sweeps.csv", "scenes.csv", "map.csv", "counts.csv", "decode.csv", "mixing.csv", "half.csv"}) EXPECT_GE(lines(slurp(out + "/" + table)), 3) << table;
-    for (const char* picture : {"sweep-errors.png", "sweep-steps.svg", "scene-steps.png", "failures.png", "decode.png", "mixing.png", "half.png"}) EXPECT_GT(slurp(out + "/" + picture).size(), 2000u) << picture;
+    for (const char* table : {"sweeps.csv", "scenes.csv", "map.csv", "counts.csv", "decode.csv", "mixing.csv", "half.csv"})
+        EXPECT_GE(lines(slurp(out + "/" + table)), 3) << table;
+    for (const char* picture :
+         {"sweep-errors.png", "sweep-steps.svg", "scene-steps.png", "failures.png", "decode.png", "mixing.png", "half.png"})
+        EXPECT_GT(slurp(out + "/" + picture).size(), 2000u) << picture;
     expectRefusal("stability -o " + (folder / "other") + " --models clever", 2, "clever");
     expectRefusal("stability -o " + folder.write("file", "x") + "/deep", 1, "deep");
     EXPECT_FALSE(fs::exists(folder / "other"));

@@ -30,7 +30,8 @@ TEST(Edges, CovarianceIsThatOfTwoPlanesOverTheLight) {
             sumA += x, sumB += y, squareA += x * x, squareB += y * y, product += x * y;
         }
         const double n = double(inside.size());
-        const double exact = product / n - sumA * sumB / n / n, deviations = std::sqrt((squareA / n - sumA * sumA / n / n) * (squareB / n - sumB * sumB / n / n));
+        const double exact = product / n - sumA * sumB / n / n,
+                     deviations = std::sqrt((squareA / n - sumA * sumA / n / n) * (squareB / n - sumB * sumB / n / n));
         const CapLight light = capLight(axis, radius);
         const double s2 = std::pow(std::sin(radius), 2) / 4;
         const double ours = s2 * covariance(float(dot(a, b)), float(dot(a, axis)), float(dot(b, axis)), light);
@@ -54,7 +55,8 @@ TEST(Edges, MeansOfThreeAndFourFollowFromTheirPairs) {
         }
         double p[4]{}, pair[4][4]{}, all3 = 0, all4 = 0;
         for (int s = 0; s < samples; ++s) {
-            const double r = std::sqrt((s + 0.5) / samples), turn = s * pi * (3 - std::sqrt(5.0)), x = r * std::cos(turn), y = r * std::sin(turn);
+            const double r = std::sqrt((s + 0.5) / samples), turn = s * pi * (3 - std::sqrt(5.0)), x = r * std::cos(turn),
+                         y = r * std::sin(turn);
             bool in[4];
             for (int k = 0; k < 4; ++k) in[k] = slope[k][0] * x + slope[k][1] * y + bend[k] * r * r >= offset[k];
             for (int k = 0; k < 4; ++k) {
@@ -64,7 +66,8 @@ TEST(Edges, MeansOfThreeAndFourFollowFromTheirPairs) {
             all3 += in[0] && in[1] && in[2], all4 += in[0] && in[1] && in[2] && in[3];
         }
         const auto mean = [&](double sum) { return float(sum / samples); };
-        const float ours3 = meanOfThree(vec3(mean(p[0]), mean(p[1]), mean(p[2])), vec3(mean(pair[0][1]), mean(pair[0][2]), mean(pair[1][2])));
+        const float ours3 = meanOfThree(vec3(mean(p[0]), mean(p[1]), mean(p[2])),
+                                        vec3(mean(pair[0][1]), mean(pair[0][2]), mean(pair[1][2])));
         const float ours4 = meanOfFour(vec4(mean(p[0]), mean(p[1]), mean(p[2]), mean(p[3])), vec2(mean(pair[0][1]), mean(pair[2][3])),
                                        vec4(mean(pair[0][2]), mean(pair[1][2]), mean(pair[0][3]), mean(pair[1][3])));
         three += std::pow(ours3 - mean(all3), 2), four += std::pow(ours4 - mean(all4), 2);
@@ -72,8 +75,8 @@ TEST(Edges, MeansOfThreeAndFourFollowFromTheirPairs) {
         plainFour += std::pow(mean(p[0]) * mean(p[1]) * mean(p[2]) * mean(p[3]) - mean(all4), 2);
         worst = std::max({worst, std::abs(double(ours3 - mean(all3))), std::abs(double(ours4 - mean(all4)))});
     }
-    std::printf("of three rms %.4f (product of means %.4f), of four %.4f (%.4f), max %.3f\n", std::sqrt(three / trials), std::sqrt(plainThree / trials),
-                std::sqrt(four / trials), std::sqrt(plainFour / trials), worst);
+    std::printf("of three rms %.4f (product of means %.4f), of four %.4f (%.4f), max %.3f\n", std::sqrt(three / trials),
+                std::sqrt(plainThree / trials), std::sqrt(four / trials), std::sqrt(plainFour / trials), worst);
     EXPECT_LE(std::sqrt(three / trials), 0.002);
     EXPECT_LE(std::sqrt(four / trials), 0.004);
     EXPECT_LE(worst, 0.055);

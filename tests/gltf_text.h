@@ -19,12 +19,11 @@ inline std::string base64(const std::string& bytes) {
 
 // A glTF of one buffer of floats and one mesh; accessors, primitives and nodes as JSON.
 inline std::string gltf(const std::vector<float>& data, const std::string& views, const std::string& accessors,
-                 const std::string& primitive, const std::string& nodes = R"({"mesh":0})", const std::string& extra = "") {
+                        const std::string& primitive, const std::string& nodes = R"({"mesh":0})", const std::string& extra = "") {
     const std::string bytes(reinterpret_cast<const char*>(data.data()), data.size() * 4);
-    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"buffers":[{"byteLength":)"
-         + std::to_string(bytes.size()) + R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes)
-         + R"("}],"bufferViews":[)" + views + R"(],"accessors":[)" + accessors + R"(],"meshes":[{"primitives":[)" + primitive
-         + R"(]}],"nodes":[)" + nodes + "]" + extra + "}";
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"buffers":[{"byteLength":)" + std::to_string(bytes.size())
+         + R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) + R"("}],"bufferViews":[)" + views + R"(],"accessors":[)"
+         + accessors + R"(],"meshes":[{"primitives":[)" + primitive + R"(]}],"nodes":[)" + nodes + "]" + extra + "}";
 }
 
 inline const std::vector<float> kSquare{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};

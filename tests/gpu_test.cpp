@@ -1,7 +1,7 @@
 // The Vulkan device against the same text in C++; the validation layer's silence; the pictures.
 #include "bake/fit/bake.h"
-#include "bake/scene/load.h"
 #include "bake/measure/reference.h"
+#include "bake/scene/load.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/params_stream.h"
 #include "runtime/render/cost.h"
@@ -84,7 +84,8 @@ TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
             double worst = 0;
             for (size_t i = 0; i < inputs.size(); ++i) {
                 const CapLight light = apertura::capLight(vec3(inputs[i].light), inputs[i].light.w);
-                const float here = irradianceThrough(model.id, receivers[i], light, lightClass), sky = skyIrradiance(model.id, receivers[i]);
+                const float here = irradianceThrough(model.id, receivers[i], light, lightClass),
+                            sky = skyIrradiance(model.id, receivers[i]);
                 ASSERT_TRUE(std::isfinite(device[i].x) && std::isfinite(device[i].y)) << model.name;
                 worst = std::max({worst, std::abs(double(here) - device[i].x), std::abs(double(sky) - device[i].y)});
             }
@@ -207,8 +208,10 @@ TEST_F(GpuTest, FramesInFlightAreThoseDrawnOneByOne) {
     gpu->run([&](VkCommandBuffer commands) {
         for (int i = 0; i < 4; ++i) {
             targets[size_t(i)].begin(commands);
-            if (i < 2) renderer.record(commands, targets[size_t(i)].target(), views[i], soft, i);
-            else renderer.recordShadowMapped(commands, targets[size_t(i)].target(), views[i - 2], i);
+            if (i < 2)
+                renderer.record(commands, targets[size_t(i)].target(), views[i], soft, i);
+            else
+                renderer.recordShadowMapped(commands, targets[size_t(i)].target(), views[i - 2], i);
             targets[size_t(i)].end(commands);
         }
     });
@@ -234,8 +237,10 @@ TEST_F(GpuTest, RecordsOnlyWhatIsPrepared) {
     const auto recorded = [&](const Offscreen& to, const View& from, const Model* model) {
         gpu->run([&](VkCommandBuffer commands) {
             to.begin(commands);
-            if (model) renderer.record(commands, to.target(), from, *model, 0);
-            else renderer.recordShadowMapped(commands, to.target(), from, 0);
+            if (model)
+                renderer.record(commands, to.target(), from, *model, 0);
+            else
+                renderer.recordShadowMapped(commands, to.target(), from, 0);
             to.end(commands);
         });
     };

@@ -1,5 +1,5 @@
-#include "bake/fit/bake.h"
 #include "bake/measure/measure.h"
+#include "bake/fit/bake.h"
 
 #include "bake/scene/load.h"
 #include "tests/support.h"
@@ -82,12 +82,9 @@ TEST(Measure, TheNineScenesReachTheirMeans) {
     const struct {
         const char *model, *source;
         double most[3];
-    } cases[] = {{"soft", "sh", {0.105, 0.068, 0.044}},
-                 {"soft", "fit", {0.088, 0.056, 0.039}},
-                 {"firm-2", "fit", {0.062, 0.036, 0.022}},
-                 {"firm-3", "fit", {0.049, 0.028, 0.018}},
-                 {"firm-4", "fit", {0.044, 0.022, 0.020}},
-                 {"auto", "fit", {0.065, 0.044, 0.025}}};
+    } cases[] = {{"soft", "sh", {0.105, 0.068, 0.044}},    {"soft", "fit", {0.088, 0.056, 0.039}},
+                 {"firm-2", "fit", {0.062, 0.036, 0.022}}, {"firm-3", "fit", {0.049, 0.028, 0.018}},
+                 {"firm-4", "fit", {0.044, 0.022, 0.020}}, {"auto", "fit", {0.065, 0.044, 0.025}}};
     double sum[std::size(cases)][3]{}, numbers = 0, ambient = 0;
     for (const std::string& name : builtinNames()) {
         MeasureOptions options = at5(100, {"soft", "firm-2", "firm-3", "firm-4", "auto"});

@@ -1,11 +1,11 @@
 // Every model's parameters: their bytes, their turning, and what its formula makes of regions with known answers.
-#include "bake/sampling/directions.h"
-#include "bake/measure/truth.h"
 #include "bake/fit/bake.h"
 #include "bake/fit/choose.h"
-#include "bake/scene/load.h"
 #include "bake/fit/lobe_sums.h"
+#include "bake/measure/truth.h"
+#include "bake/sampling/directions.h"
 #include "bake/sampling/surface_points.h"
+#include "bake/scene/load.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/params_stream.h"
 #include "tests/support.h"
@@ -31,7 +31,8 @@ double errorOf(const char* recipeName, const char* modelName, const FitTools& to
     const Recipe& recipe = *findRecipe(recipeName);
     const Model& model = *findModel(modelName);
     const BakedPoint point = recipe.make(tools, samples, mat3(1), {});
-    const Receiver receiver = toReceiver(point.visibility, toParams(model, point.visibility, recipe.model >= 0 ? &point.params : nullptr, kUp), kUp);
+    const Receiver receiver = toReceiver(point.visibility,
+                                         toParams(model, point.visibility, recipe.model >= 0 ? &point.params : nullptr, kUp), kUp);
     double sum = 0;
     int count = 0;
     for (const vec3& l : fibonacciHemisphere(200)) {
@@ -56,7 +57,8 @@ TEST(Models, EachStandsAtItsNumberAndHasAName) {
 TEST(Models, EachHasAFormulaForEveryClassOfLightsAndARecipe) {
     for (const Model& model : models()) {
         if (model.kind == ModelKind::Choice) continue;
-        for (int lightClass : {LIGHTS_ANY, LIGHTS_MEDIUM, LIGHTS_SMALL, LIGHTS_SUN}) EXPECT_TRUE(hasFormula(model, lightClass)) << model.name;
+        for (int lightClass : {LIGHTS_ANY, LIGHTS_MEDIUM, LIGHTS_SMALL, LIGHTS_SUN})
+            EXPECT_TRUE(hasFormula(model, lightClass)) << model.name;
         EXPECT_NO_THROW(recipeFor(model)) << model.name;
     }
     const CapLight light = capLight(kUp, 0.1f);
@@ -147,7 +149,8 @@ TEST(Models, FormsTurnWithTheirFrame) {
             const Visibility v{vec3(0.3f, 0.2f, 1), 3}, w{turn * v.direction, v.area};
             const CapLight light = capLight(random.direction(), 0.15), moved = capLight(dvec3(turn * light.axis), 0.15);
             const float a = irradianceThrough(model.id, toReceiver(v, toParams(model, v, &params, kUp), kUp), light, LIGHTS_MEDIUM);
-            const float b = irradianceThrough(model.id, toReceiver(w, toParams(model, w, &turned, turn * kUp), turn * kUp), moved, LIGHTS_MEDIUM);
+            const float b = irradianceThrough(model.id, toReceiver(w, toParams(model, w, &turned, turn * kUp), turn * kUp), moved,
+                                              LIGHTS_MEDIUM);
             EXPECT_NEAR(a / light.area, b / light.area, 2e-3) << model.name;
         }
     }
@@ -232,7 +235,8 @@ TEST(Models, PairsOfLobesAreSlits) {
     const dvec3 c = normalize(dvec3(0.1, 1, 0.05)), d = normalize(dvec3(0.2, -1, 0.3));
     const double wide = 1.45;
     auto inside = [&](const dvec3& w, const dvec3& axis) { return dot(w, axis) > std::cos(wide); };
-    const Samples samples = samplesOf(tools.lattice, [&](const dvec3& w) { return (inside(w, a) && inside(w, b)) || (inside(w, c) && inside(w, d)); });
+    const Samples samples = samplesOf(tools.lattice,
+                                      [&](const dvec3& w) { return (inside(w, a) && inside(w, b)) || (inside(w, c) && inside(w, d)); });
     const double radius = 0.0873;
     auto exact = [&](const dvec3& l) {
         const std::vector<ExactCap> first{{l, radius}, {a, wide}, {b, wide}}, second{{l, radius}, {c, wide}, {d, wide}};
@@ -273,14 +277,16 @@ void checkSums(const SampleLattice& lattice, const Samples& samples) {
                 float moved[K * M];
                 std::copy_n(p, K * M, moved);
                 const float by = side ? step : -step;
-                for (int axis = 0; Hard && c > 0 && axis < 3; ++axis) moved[lobe * M + 1 + axis] += by * tangents[(lobe * 2 + c - 1) * 3 + axis];
+                for (int axis = 0; Hard && c > 0 && axis < 3; ++axis)
+                    moved[lobe * M + 1 + axis] += by * tangents[(lobe * 2 + c - 1) * 3 + axis];
                 if (!Hard || c == 0) moved[lobe * M + c] += by;
                 Sums there;
                 sumLobes<K, M, Hard, L>(patched, moved, tangents, false, there);
                 value[side] = there.products[N][N];
             }
             const double slope = (value[1] - value[0]) / (4 * step);
-            ASSERT_NEAR(one.products[N][column], slope, 0.01 * std::abs(slope) + 1e-3 * std::sqrt(one.products[N][N] * one.products[column][column]) + 6e-3)
+            ASSERT_NEAR(one.products[N][column], slope,
+                        0.01 * std::abs(slope) + 1e-3 * std::sqrt(one.products[N][N] * one.products[column][column]) + 6e-3)
                 << K << " lobes, column " << column << ", pairs " << L;
         }
     }
@@ -300,7 +306,8 @@ TEST(Models, GroupsOfPatchesAreNeighbours) {
         const SampleLattice lattice(rays);
         std::map<std::pair<int, int>, std::vector<vec3>> groups;  // by lane and group
         for (size_t i = 0; i < lattice.directions().size(); ++i) {
-            const int place = lattice.place[i], lane = place % SampleLattice::kLanes, block = place / SampleLattice::kLanes / lattice.patchSize;
+            const int place = lattice.place[i], lane = place % SampleLattice::kLanes,
+                      block = place / SampleLattice::kLanes / lattice.patchSize;
             groups[{lane, block / SampleLattice::kGroup}].push_back(lattice.directions()[i]);
         }
         ASSERT_LE(lattice.blocks, PatchedSamples::kMaxBlocks);
@@ -351,17 +358,23 @@ TEST(Models, BytesAddLittle) {
             const vec3 normal = points[i].normal;
             for (int k = 0; k < 2; ++k) {
                 const auto bytes = packAllParams(model, {&point.params, 1}, mat3(1), k ? 16 : 8);
-                const ModelParams back = unpackAllParams(model, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 1, mat3(1), k ? 16 : 8)[0];
+                const ModelParams back = unpackAllParams(model, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 1,
+                                                         mat3(1), k ? 16 : 8)[0];
                 for (const vec3& l : fibonacciHemisphere(40)) {
                     const CapLight light = apertura::capLight(frame * l, 0.0872f);
-                    const float a = irradianceThrough(model.id, toReceiver(point.visibility, toParams(model, point.visibility, &point.params, normal), normal), light, LIGHTS_MEDIUM);
-                    const float b = irradianceThrough(model.id, toReceiver(point.visibility, toParams(model, point.visibility, &back, normal), normal), light, LIGHTS_MEDIUM);
+                    const float a = irradianceThrough(
+                        model.id, toReceiver(point.visibility, toParams(model, point.visibility, &point.params, normal), normal), light,
+                        LIGHTS_MEDIUM);
+                    const float b = irradianceThrough(
+                        model.id, toReceiver(point.visibility, toParams(model, point.visibility, &back, normal), normal), light,
+                        LIGHTS_MEDIUM);
                     sum[k] += std::pow((a - b) / light.area, 2);
                     count += k;
                 }
             }
         });
-        std::printf("%-8s 8 bits add %.4f, 16 bits %.5f\n", std::string(model.name).c_str(), std::sqrt(sum[0] / count), std::sqrt(sum[1] / count));
+        std::printf("%-8s 8 bits add %.4f, 16 bits %.5f\n", std::string(model.name).c_str(), std::sqrt(sum[0] / count),
+                    std::sqrt(sum[1] / count));
         EXPECT_LT(std::sqrt(sum[0] / count), 0.03) << model.name;
         EXPECT_LT(std::sqrt(sum[1] / count), 0.003) << model.name;
     }

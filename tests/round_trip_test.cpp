@@ -3,8 +3,8 @@
 #include <cctype>
 
 #include "bake/fit/bake.h"
-#include "bake/scene/load.h"
 #include "bake/measure/measure.h"
+#include "bake/scene/load.h"
 #include "runtime/asset/asset.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/gltf.h"
@@ -27,7 +27,8 @@ Json jsonOf(const std::string& path) {
 // Every vertex closed: what is compared is all the rest.
 BakedVisibility closedEverywhere(const Scene& scene) {
     BakedVisibility out;
-    for (const Instance& instance : scene.instances) out.push_back({std::vector<Visibility>(scene.surfaces[size_t(instance.surface)].positions.size()), {}});
+    for (const Instance& instance : scene.instances)
+        out.push_back({std::vector<Visibility>(scene.surfaces[size_t(instance.surface)].positions.size()), {}});
     return out;
 }
 
@@ -97,12 +98,14 @@ bool expectKept(const std::string& path) {
         for (size_t i = 0; i < listOf(in, "accessors").size(); ++i) {
             const std::vector<uint32_t> first{0};
             if (accessorCount(*scene.document, i) == 0) continue;
-            EXPECT_EQ(gatherAccessor(*scene.document, i, first).bytes, gatherAccessor(*back.document, i, first).bytes) << path << " accessor " << i;
+            EXPECT_EQ(gatherAccessor(*scene.document, i, first).bytes, gatherAccessor(*back.document, i, first).bytes)
+                << path << " accessor " << i;
         }
     for (size_t i = 0; i < scene.document->images.size(); ++i)
         if (!scene.document->images[i]->empty()) {
             const auto bytes = viewBytes(*back.document, back.document->json["images"][i]["bufferView"].get<size_t>());
-            EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), scene.document->images[i]->begin(), scene.document->images[i]->end())) << path;
+            EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), scene.document->images[i]->begin(), scene.document->images[i]->end()))
+                << path;
         }
     return !rebuilt;
 }
@@ -118,12 +121,17 @@ const char* const kBoth = R"({"attributes":{"POSITION":0,"NORMAL":1},"mode":6})"
 
 TEST(RoundTrip, OddValuesComeOutAsTheyWere) {
     const Folder folder;
-    const std::string odd = R"({"large":9007199254740993,"larger":18446744073709551615,"least":-9223372036854775808,"list":[null,{},[],[null],""],"none":null,"empty":{},"nothing":[],"real":0.1,"tiny":1e-300,"text":"\u0000\u001b[31m\ud83d\ude00"})";
+    const std::string odd =
+        R"({"large":9007199254740993,"larger":18446744073709551615,"least":-9223372036854775808,"list":[null,{},[],[null],""],"none":null,"empty":{},"nothing":[],"real":0.1,"tiny":1e-300,"text":"\u0000\u001b[31m\ud83d\ude00"})";
     const std::string extras = R"("extras":)" + odd;
-    const std::string node = R"({"mesh":0,"extensions":{"VENDOR_thing":)" + odd + "}," + extras + R"(,"unheard":[null]},{"camera":0,"matrix":[-0.9993908270190958,-0.03489949670250097,0,0,0.03489949670250097,-0.9993908270190958,0,0,0,0,1,0,0,0,5,1]})";
-    const std::string extra = R"(,"cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}],"extensionsUsed":["VENDOR_thing"],"extensions":{"VENDOR_thing":)" + odd
-                              + "}," + extras + R"(,"skins":[],"materials":[{"pbrMetallicRoughness":{"roughnessFactor":1.0},)" + extras + "}]";
-    std::string text = gltf(squareWithNormals(), R"({"buffer":0,"byteLength":96,)" + extras + "}", std::string(kVec3) + "," + kNormals, kBoth, node, extra);
+    const std::string node =
+        R"({"mesh":0,"extensions":{"VENDOR_thing":)" + odd + "}," + extras
+        + R"(,"unheard":[null]},{"camera":0,"matrix":[-0.9993908270190958,-0.03489949670250097,0,0,0.03489949670250097,-0.9993908270190958,0,0,0,0,1,0,0,0,5,1]})";
+    const std::string extra =
+        R"(,"cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}],"extensionsUsed":["VENDOR_thing"],"extensions":{"VENDOR_thing":)"
+        + odd + "}," + extras + R"(,"skins":[],"materials":[{"pbrMetallicRoughness":{"roughnessFactor":1.0},)" + extras + "}]";
+    std::string text = gltf(squareWithNormals(), R"({"buffer":0,"byteLength":96,)" + extras + "}", std::string(kVec3) + "," + kNormals,
+                            kBoth, node, extra);
     text.replace(text.find("\"nodes\":[0]"), 11, "\"nodes\":[0,1]");
     text.replace(text.find("\"uri\":\"data"), 5, extras + ",\"uri\"");
     const std::string path = folder.write("odd.gltf", text);
@@ -144,7 +152,8 @@ TEST(RoundTrip, OddValuesComeOutAsTheyWere) {
 TEST(RoundTrip, WhatSeveralBuffersHeldIsKept) {
     const Folder folder;
     folder.write("b.bin", std::string(16, 'b'));
-    std::string text = gltf(squareWithNormals(), std::string(kView96) + R"(,{"buffer":1,"byteOffset":4,"byteLength":8,"name":"rest"})", std::string(kVec3) + "," + kNormals, kBoth);
+    std::string text = gltf(squareWithNormals(), std::string(kView96) + R"(,{"buffer":1,"byteOffset":4,"byteLength":8,"name":"rest"})",
+                            std::string(kVec3) + "," + kNormals, kBoth);
     text.replace(text.find("}],\"bufferViews\""), 1, R"(},{"byteLength":16,"uri":"b.bin","name":"second","extras":{"x":[null]}})");
     const std::string path = folder.write("two.gltf", text);
     EXPECT_TRUE(expectKept(path));
@@ -152,7 +161,8 @@ TEST(RoundTrip, WhatSeveralBuffersHeldIsKept) {
         const Scene scene = readGltf(bakes ? folder / "o.glb" : path);
         writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
         const Json out = jsonOf(folder / "o.glb");
-        EXPECT_EQ(out["asset"]["extras"]["apertura"]["mergedBuffers"].dump(), R"([{"buffer":1,"content":{"extras":{"x":[null]},"name":"second"}}])");
+        EXPECT_EQ(out["asset"]["extras"]["apertura"]["mergedBuffers"].dump(),
+                  R"([{"buffer":1,"content":{"extras":{"x":[null]},"name":"second"}}])");
         const GltfDocument back = readGltfDocument(folder / "o.glb");
         const auto rest = viewBytes(back, 1);
         EXPECT_EQ(std::string(rest.begin(), rest.end()), "bbbbbbbb");
@@ -162,9 +172,11 @@ TEST(RoundTrip, WhatSeveralBuffersHeldIsKept) {
 TEST(RoundTrip, ListsOfBuffersGrowWithWhatToolsAdd) {
     const Folder folder;
     folder.write("b.bin", std::string(16, 'b'));
-    std::string text = gltf(squareWithNormals(), std::string(kView96) + R"(,{"buffer":1,"byteLength":8})", std::string(kVec3) + "," + kNormals, kBoth);
+    std::string text = gltf(squareWithNormals(), std::string(kView96) + R"(,{"buffer":1,"byteLength":8})",
+                            std::string(kVec3) + "," + kNormals, kBoth);
     text.replace(text.find("}],\"bufferViews\""), 1, R"(},{"byteLength":16,"uri":"b.bin","name":"second"})");
-    text.replace(text.find(R"("version":"2.0")"), 15, R"("version":"2.0","generator":"a tool","extras":{"apertura":{"mergedBuffers":[{"content":{"name":"first"}}]}})");
+    text.replace(text.find(R"("version":"2.0")"), 15,
+                 R"("version":"2.0","generator":"a tool","extras":{"apertura":{"mergedBuffers":[{"content":{"name":"first"}}]}})");
     const Scene scene = readGltf(folder.write("a.gltf", text));
     writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
     const Json ours = jsonOf(folder / "o.glb")["asset"]["extras"]["apertura"];
@@ -192,12 +204,14 @@ TEST(RoundTrip, ImagesKeepTheirKind) {
 TEST(RoundTrip, ASecondSetOfTheSameIsLeftOut) {
     const Folder folder;
     // Draco, for readers that know it; and tangents that nobody may use without normals.
-    const std::string primitive = R"({"attributes":{"POSITION":0,"TANGENT":1},"mode":6,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}}})";
+    const std::string primitive =
+        R"({"attributes":{"POSITION":0,"TANGENT":1},"mode":6,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}}})";
     const std::string tangents = std::string(kVec3) + R"(,{"bufferView":1,"componentType":5126,"type":"VEC4","count":4})";
     std::vector<float> data = kSquare;
     data.resize(28, 1.0f);
     const std::string views = std::string(kView) + R"(,{"buffer":0,"byteOffset":48,"byteLength":64})";
-    const Scene scene = readGltf(folder.write("a.gltf", gltf(data, views, tangents, primitive, R"({"mesh":0})", R"(,"extensionsUsed":["KHR_draco_mesh_compression"])")));
+    const Scene scene = readGltf(folder.write(
+        "a.gltf", gltf(data, views, tangents, primitive, R"({"mesh":0})", R"(,"extensionsUsed":["KHR_draco_mesh_compression"])")));
     writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
     const std::string out = jsonOf(folder / "o.glb").dump();
     EXPECT_EQ(out.find("draco"), std::string::npos) << out;
@@ -210,7 +224,9 @@ TEST(RoundTrip, RealFilesComeOutAsTheyWere) {
     for (const auto& entry : fs::recursive_directory_iterator(dataFolder())) {
         const std::string path = entry.path().string(), ending = entry.path().extension().string();
         // Draco is refused; the teapots are large, and tested for their counts elsewhere.
-        if (path.find("malformed") != std::string::npos || path.find("Draco") != std::string::npos || path.find("teapots") != std::string::npos) continue;
+        if (path.find("malformed") != std::string::npos || path.find("Draco") != std::string::npos
+            || path.find("teapots") != std::string::npos)
+            continue;
         if (ending == ".gltf" || ending == ".glb") whole += expectKept(path);
     }
     EXPECT_GE(whole, 7);
@@ -218,7 +234,8 @@ TEST(RoundTrip, RealFilesComeOutAsTheyWere) {
 
 TEST(RoundTrip, BakingAgainReplaces) {
     const Folder folder;
-    const std::string odd = folder.write("a.gltf", gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth, R"({"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[0,0,1]})"));
+    const std::string odd = folder.write("a.gltf", gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth,
+                                                        R"({"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[0,0,1]})"));
     auto bake = [&](const std::string& from, const char* model, int bits) {
         const Scene scene = readGltf(from);
         const Tracer tracer(scene);
@@ -243,7 +260,8 @@ TEST(RoundTrip, BakingAgainReplaces) {
         EXPECT_EQ(bake(folder / "o.glb", model, bits), once) << "from firm-4 to " << model;
     }
     // An extension that nobody here knows may hold indices: the places of the others stay.
-    std::string unknown = gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth, R"({"mesh":0})", R"(,"extensionsUsed":["VENDOR_thing"],"extensions":{"VENDOR_thing":{"accessor":1}})");
+    std::string unknown = gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth, R"({"mesh":0})",
+                               R"(,"extensionsUsed":["VENDOR_thing"],"extensions":{"VENDOR_thing":{"accessor":1}})");
     bake(folder.write("b.gltf", unknown), "firm-4", 16);
     const auto once = bake(folder / "o.glb", "sh", 8);
     const std::string first = jsonOf(folder / "o.glb").dump();
@@ -270,7 +288,8 @@ TEST(RoundTrip, CompressedBytesGoOnceTheyAreDecoded) {
 
 TEST(RoundTrip, AMeshOfAnotherSceneKeepsItsOwn) {
     const Folder folder;
-    std::string text = gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth, R"({"mesh":0},{"mesh":0,"name":"elsewhere"})");
+    std::string text = gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth,
+                            R"({"mesh":0},{"mesh":0,"name":"elsewhere"})");
     text.replace(text.find("\"scenes\":[{\"nodes\":[0]}]"), 24, "\"scenes\":[{\"nodes\":[0]},{\"nodes\":[1]}]");
     for (const char* which : {"0", "1"}) {
         std::string chosen = text;
@@ -279,7 +298,9 @@ TEST(RoundTrip, AMeshOfAnotherSceneKeepsItsOwn) {
         writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
         const Json out = jsonOf(folder / "o.glb");
         const size_t baked = size_t(which[0] - '0');
-        const auto attributes = [&](size_t node) { return out["meshes"][out["nodes"][node]["mesh"].get<size_t>()]["primitives"][0]["attributes"]; };
+        const auto attributes = [&](size_t node) {
+            return out["meshes"][out["nodes"][node]["mesh"].get<size_t>()]["primitives"][0]["attributes"];
+        };
         EXPECT_TRUE(attributes(baked).contains("_VISIBILITY"));
         EXPECT_FALSE(attributes(1 - baked).contains("_VISIBILITY"));
     }
@@ -291,16 +312,21 @@ TEST(RoundTrip, PrimitivesWithoutNormalsAreFlat) {
     std::vector<float> data;
     for (int i = 0; i < 8; ++i) data.insert(data.end(), {float(i & 1), float(i >> 1 & 1), float(i >> 2)});
     data.insert(data.end(), {9, 9, 9});
-    const unsigned char faces[] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    const unsigned char faces[] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                   2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
     unsigned char rest[36 + 36] = {};
     std::memcpy(rest, faces, 36);
     for (int i = 0; i < 9; ++i) rest[36 + 4 * i] = static_cast<unsigned char>(10 * i);
     data.resize(27 + 18);
     std::memcpy(&data[27], rest, sizeof rest);
-    const std::string views = R"({"buffer":0,"byteLength":108,"byteStride":12},{"buffer":0,"byteOffset":108,"byteLength":36},{"buffer":0,"byteOffset":144,"byteLength":36,"byteStride":4})";
-    const std::string accessors = R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":9,"min":[0,0,0],"max":[9,9,9],"name":"corners"},{"bufferView":1,"componentType":5121,"type":"SCALAR","count":36},)"
-                                  R"({"bufferView":2,"componentType":5121,"type":"VEC4","count":9,"normalized":true})";
-    const Scene scene = readGltf(folder.write("cube.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"COLOR_0":2},"indices":1,"targets":[{"POSITION":0}],"mode":4})")));
+    const std::string views =
+        R"({"buffer":0,"byteLength":108,"byteStride":12},{"buffer":0,"byteOffset":108,"byteLength":36},{"buffer":0,"byteOffset":144,"byteLength":36,"byteStride":4})";
+    const std::string accessors =
+        R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":9,"min":[0,0,0],"max":[9,9,9],"name":"corners"},{"bufferView":1,"componentType":5121,"type":"SCALAR","count":36},)"
+        R"({"bufferView":2,"componentType":5121,"type":"VEC4","count":9,"normalized":true})";
+    const Scene scene = readGltf(folder.write(
+        "cube.gltf",
+        gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"COLOR_0":2},"indices":1,"targets":[{"POSITION":0}],"mode":4})")));
     ASSERT_EQ(scene.surfaces[0].positions.size(), 24u);
     for (const auto& t : scene.surfaces[0].triangles) {
         const auto& p = scene.surfaces[0].positions;
@@ -324,7 +350,9 @@ TEST(RoundTrip, PrimitivesWithoutNormalsAreFlat) {
     EXPECT_EQ(corners["name"], "corners");
     EXPECT_EQ(back.document->json["accessors"].size(), 6u) << "the replaced accessors are gone";
     // As a cube of 24 vertices with normals of their own is: what .obj files give.
-    const Scene obj = loadScene(folder.write("cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"));
+    const Scene obj = loadScene(folder.write("cube.obj",
+                                             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nf 1 3 4 2\nf 5 6 8 "
+                                             "7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"));
     MeasureOptions options;
     options.models = {findModel("soft")};
     options.lightRadii = {5};

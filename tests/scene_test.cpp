@@ -1,7 +1,7 @@
 // Scenes from files: what the readers take, and what they refuse.
-#include "runtime/asset/asset.h"
 #include "bake/fit/bake.h"
 #include "bake/scene/load.h"
+#include "runtime/asset/asset.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/gltf.h"
 #include "runtime/asset/gltf_document.h"
@@ -54,7 +54,8 @@ TEST(Gltf, StripsAndFansKeepTheirWinding) {
         // A square as a fan 0 1 2 3, and as a strip in the order of a Z.
         std::vector<float> data = kSquare;
         if (mode == 5) data = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
-        const Scene scene = readGltf(folder.write("a.gltf", gltf(data, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":)" + std::to_string(mode) + "}")));
+        const Scene scene = readGltf(
+            folder.write("a.gltf", gltf(data, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":)" + std::to_string(mode) + "}")));
         EXPECT_EQ(triangleCount(scene), 2u);
         EXPECT_NEAR(areaOf(scene), 1, 1e-6);
         for (const glm::vec3& n : scene.surfaces[0].normals) EXPECT_NEAR(n.z, 1, 1e-6);
@@ -74,12 +75,14 @@ TEST(Gltf, InterleavedSparseAndTransformed) {
     float asFloat;
     std::memcpy(&asFloat, &index, 4);
     data.insert(data.end(), {asFloat, 3, 3, 0});
-    const std::string views = R"({"buffer":0,"byteLength":96,"byteStride":24},{"buffer":0,"byteOffset":96,"byteLength":4},{"buffer":0,"byteOffset":100,"byteLength":12})";
+    const std::string views =
+        R"({"buffer":0,"byteLength":96,"byteStride":24},{"buffer":0,"byteOffset":96,"byteLength":4},{"buffer":0,"byteOffset":100,"byteLength":12})";
     const std::string accessors =
         R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":4,"sparse":{"count":1,"indices":{"bufferView":1,"componentType":5125},"values":{"bufferView":2}}},)"
         R"({"bufferView":0,"byteOffset":12,"componentType":5126,"type":"VEC3","count":4})";
     const std::string nodes = R"({"children":[1],"translation":[10,0,0]},{"mesh":0,"scale":[2,2,2]})";
-    const Scene scene = readGltf(folder.write("a.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"NORMAL":1},"mode":6})", nodes)));
+    const Scene scene = readGltf(
+        folder.write("a.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"NORMAL":1},"mode":6})", nodes)));
     EXPECT_EQ(scene.surfaces[0].positions[2], glm::vec3(3, 3, 0));
     EXPECT_NEAR(scene.surfaces[0].normals[1].z, 1, 1e-6);  // made unit
     const Box box = worldBounds(scene);
@@ -94,14 +97,20 @@ TEST(Gltf, RefusesWhatIsBrokenWithOneLine) {
         const char* what;
         std::string text;
     } cases[] = {
-        {"outside its buffer", gltf(kSquare, R"({"buffer":0,"byteLength":480})", R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":40})", all)},
-        {"out of range", gltf({0, 0, 0, 1, 0, 0, 1, 1, 0, 7e-45f, 7e-45f, 7e-45f}, std::string(kView) + R"(,{"buffer":0,"byteOffset":36,"byteLength":12})", R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":3},{"bufferView":1,"componentType":5125,"type":"SCALAR","count":3})", R"({"attributes":{"POSITION":0},"indices":1})")},
+        {"outside its buffer",
+         gltf(kSquare, R"({"buffer":0,"byteLength":480})", R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":40})", all)},
+        {"out of range",
+         gltf(
+             {0, 0, 0, 1, 0, 0, 1, 1, 0, 7e-45f, 7e-45f, 7e-45f}, std::string(kView) + R"(,{"buffer":0,"byteOffset":36,"byteLength":12})",
+             R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":3},{"bufferView":1,"componentType":5125,"type":"SCALAR","count":3})",
+             R"({"attributes":{"POSITION":0},"indices":1})")},
         {"not a finite number", gltf({0, 0, 0, NAN, 0, 0, 1, 1, 0, 0, 1, 0}, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6})")},
         {"no triangles", gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":0})")},
         {"its own ancestor", gltf(kSquare, kView, kVec3, all, R"({"mesh":0,"children":[0]})")},
         {"two parents", gltf(kSquare, kView, kVec3, all, R"({"children":[1,1]},{"mesh":0})")},
         {"nested too deep", std::string(100000, '[')},
-        {"KHR_draco_mesh_compression", gltf(kSquare, kView, kVec3, all, R"({"mesh":0})", R"(,"extensionsRequired":["KHR_draco_mesh_compression"])")},
+        {"KHR_draco_mesh_compression",
+         gltf(kSquare, kView, kVec3, all, R"({"mesh":0})", R"(,"extensionsRequired":["KHR_draco_mesh_compression"])")},
         {"not a valid glTF", "{\"asset\": 3"},
         {"the file is empty", ""},
     };
@@ -120,8 +129,11 @@ TEST(Gltf, RefusesWhatIsBrokenWithOneLine) {
 
 TEST(Asset, KeepsContentAndGivesEachInstanceItsOwn) {
     const Folder folder;
-    const std::string nodes = R"({"name":"root","children":[1,2],"extras":{"keep":[12345678901,"two",null,{}]}},{"mesh":0},{"mesh":0,"translation":[0,0,0.5],"rotation":[0,1,0,0]})";
-    const std::string path = folder.write("a.gltf", gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6,"material":0})", nodes, R"(,"materials":[{"name":"clay","pbrMetallicRoughness":{"roughnessFactor":0.25}}])"));
+    const std::string nodes =
+        R"({"name":"root","children":[1,2],"extras":{"keep":[12345678901,"two",null,{}]}},{"mesh":0},{"mesh":0,"translation":[0,0,0.5],"rotation":[0,1,0,0]})";
+    const std::string path = folder.write("a.gltf",
+                                          gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6,"material":0})", nodes,
+                                               R"(,"materials":[{"name":"clay","pbrMetallicRoughness":{"roughnessFactor":0.25}}])"));
     const Scene scene = readGltf(path);
     ASSERT_EQ(scene.instances.size(), 2u);
     BakedVisibility given;
@@ -201,9 +213,13 @@ TEST(Asset, RefusesWhatIsNoVisibilityOrNoBuffer) {
     data.resize(28);
     const std::string views = std::string(kView) + R"(,{"buffer":0,"byteOffset":48,"byteLength":64})";
     const std::string accessors = std::string(kVec3) + R"(,{"bufferView":1,"componentType":5126,"type":"VEC4","count":4})";
-    EXPECT_THROW(readAsset(folder.write("f.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"_VISIBILITY":1},"mode":6})"))), Error);
+    EXPECT_THROW(
+        readAsset(folder.write("f.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"_VISIBILITY":1},"mode":6})"))),
+        Error);
     // A view that nothing uses, into a buffer that is not there.
-    EXPECT_THROW(readGltf(folder.write("b.gltf", gltf(kSquare, std::string(kView) + R"(,{"buffer":100000000,"byteLength":4})", kVec3, R"({"attributes":{"POSITION":0},"mode":6})"))), Error);
+    EXPECT_THROW(readGltf(folder.write("b.gltf", gltf(kSquare, std::string(kView) + R"(,{"buffer":100000000,"byteLength":4})", kVec3,
+                                                      R"({"attributes":{"POSITION":0},"mode":6})"))),
+                 Error);
 }
 
 TEST(HeightMap, ReadsEveryKindThatIsHere) {

@@ -1,9 +1,9 @@
-#include "bake/measure/truth.h"
-#include "bake/fit/bake.h"
 #include "sh/soft.h"
+#include "bake/fit/bake.h"
+#include "bake/measure/truth.h"
 
-#include "bake/scene/load.h"
 #include "bake/sampling/surface_points.h"
+#include "bake/scene/load.h"
 #include "sh/models.h"
 #include "sh/soft_solve.h"
 #include "tests/support.h"
@@ -79,7 +79,8 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
                 if (dot(l, dvec3(n)) < 0) l = -l;
                 const double r = 0.27 * std::pow(45 / 0.27, random()) * pi / 180;
                 const CapLight light = capLight(l, r);
-                const double e = normalised(irradianceThroughSoft(n, table, light, LIGHTS_ANY) - irradianceThroughSoft(n, full, light, LIGHTS_ANY), r);
+                const double e = normalised(
+                    irradianceThroughSoft(n, table, light, LIGHTS_ANY) - irradianceThroughSoft(n, full, light, LIGHTS_ANY), r);
                 sum += e * e;
                 ++count;
             }
@@ -101,11 +102,13 @@ TEST(Soft, CapsAsSoftAsTheyAreDrawnKeepTheirArea) {
             const double area = 2 * pi * std::min(open, 1 - open);
             const vec3 direction = vec3(dvec3(std::sin(tilt), 0, std::cos(tilt)) * area * (1 - area / (4 * pi)));
             // A cap or, over a half, what a cap leaves of the hemisphere.
-            const Visibility v = open <= 0.5 ? Visibility{direction, float(area)} : Visibility{float(pi) * n - direction, float(2 * pi - area)};
+            const Visibility v = open <= 0.5 ? Visibility{direction, float(area)}
+                                             : Visibility{float(pi) * n - direction, float(2 * pi - area)};
             const vec4 lobe = toParams(soft, v, nullptr, n)[0];
             EXPECT_LE(length(vec3(lobe)) + std::abs(lobe.w), 250.01f) << open;
             const SoftAperture solved = toSoft(v, n);
-            const double before = overHemisphere(n, dvec3(solved.slope), solved.offset).area, after = overHemisphere(n, dvec3(vec3(lobe)), lobe.w).area;
+            const double before = overHemisphere(n, dvec3(solved.slope), solved.offset).area,
+                         after = overHemisphere(n, dvec3(vec3(lobe)), lobe.w).area;
             const double smaller = std::min(before, 2 * pi - before);
             EXPECT_NEAR(after, before, 0.08 * smaller) << open << ", tilt " << tilt;
         }
@@ -182,11 +185,13 @@ TEST(Lobes, LightThroughTwoIsTheIntegralOfTheirProduct) {
                 all += l.z, both += l.z * first * second, each[0] += l.z * first, each[1] += l.z * second;
             }
         const CapLight light = capLight(axis, r);
-        const double e = irradianceThrough(MODEL_FIRM_2, receiver, light, lightClassOf(light.sinRadius)) / unoccludedIrradiance(vec3(n), light, LIGHTS_ANY);
+        const double e = irradianceThrough(MODEL_FIRM_2, receiver, light, lightClassOf(light.sinRadius))
+                       / unoccludedIrradiance(vec3(n), light, LIGHTS_ANY);
         sum += std::pow(e - both / all, 2);
         plain += std::pow((each[0] * each[1] / all - both) / all, 2);
     }
-    std::printf("two lobes against brute force: rms %.4f; the product of their exact means: %.4f\n", std::sqrt(sum / trials), std::sqrt(plain / trials));
+    std::printf("two lobes against brute force: rms %.4f; the product of their exact means: %.4f\n", std::sqrt(sum / trials),
+                std::sqrt(plain / trials));
     EXPECT_LE(std::sqrt(sum / trials), 0.018);
     EXPECT_GE(std::sqrt(plain / trials), 0.025);
 }

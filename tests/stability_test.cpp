@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <map>
 
-#include "bake/scene/load.h"
 #include "bake/measure/scene_steps.h"
 #include "bake/measure/storage_errors.h"
+#include "bake/scene/load.h"
 #include "runtime/render/renderer.h"
 #include "sh/packing.h"
 #include "tests/support.h"
@@ -50,7 +50,8 @@ TEST(Stability, NorDoesItOnTheDevice) {
     const uint64_t inputs = std::max(uint64_t(10000), uint64_t(exhaustive() * 1e7 / 15));
     for (const Model& model : models()) {
         if (model.baseline) continue;
-        const FuzzCount count = countFuzz(model, 2, inputs, [&](int id, int lightClass, const std::vector<Evaluation>& e) { return onDevice(gpu, id, lightClass, e); });
+        const FuzzCount count = countFuzz(
+            model, 2, inputs, [&](int id, int lightClass, const std::vector<Evaluation>& e) { return onDevice(gpu, id, lightClass, e); });
         EXPECT_EQ(count.notFinite, 0u) << model.name;
         EXPECT_EQ(count.outside, 0u) << model.name;
     }
@@ -66,8 +67,11 @@ TEST(Stability, SixteenBitFloatsAreEnough) {
     std::vector<Scene> scenes;
     for (const char* name : {"statue", "canyon"}) scenes.push_back(makeBuiltin(name));
     std::vector<const Model*> asked;
-    for (const char* name : {"aperture", "soft", "firm-2", "soft-2", "soft-l2", "firm-4", "multi-2", "cap-anti"}) asked.push_back(findModel(name));
-    for (const HalfError& e : measureHalf(scenes, asked, 6, 256, 1, {0.27, 5}, [&](int id, int lightClass, const std::vector<Evaluation>& all) { return onDevice(gpu, id, lightClass, all, true); })) {
+    for (const char* name : {"aperture", "soft", "firm-2", "soft-2", "soft-l2", "firm-4", "multi-2", "cap-anti"})
+        asked.push_back(findModel(name));
+    for (const HalfError& e : measureHalf(
+             scenes, asked, 6, 256, 1, {0.27, 5},
+             [&](int id, int lightClass, const std::vector<Evaluation>& all) { return onDevice(gpu, id, lightClass, all, true); })) {
         EXPECT_EQ(e.notFinite, 0) << e.model << ", " << e.radius;
         EXPECT_LE(e.rms, 0.01) << e.model << ", " << e.radius;
         EXPECT_GE(e.rms, 1e-4) << e.model << ", " << e.radius << ": were these 32 bits?";
@@ -100,7 +104,8 @@ TEST(Stability, AperturesKeepToTheExactOverlapInEverySweep) {
 TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
     // Of the published formula and what may step a little further: how edges of caps meet is known nearly, of three and
     // four from their pairs; three lobes are as sharp as their error asks for.
-    const std::map<std::string, double> beyond{{"multi-2", 1.04}, {"cap-anti", 1.05}, {"firm-3", 1.04}, {"multi-3", 1.2}, {"multi-4", 1.25}};
+    const std::map<std::string, double> beyond{
+        {"multi-2", 1.04}, {"cap-anti", 1.05}, {"firm-3", 1.04}, {"multi-3", 1.2}, {"multi-4", 1.25}};
     std::vector<const Model*> asked;
     for (const Model& model : models())
         if (!model.baseline || model.id == MODEL_OAT) asked.push_back(&model);
@@ -154,14 +159,16 @@ TEST(Stability, EveryPackedValueIsPossible) {
         const Visibility v = unpack(bytes);
         const float length = glm::length(v.direction);
         ++checked;
-        return v.area >= 0 && v.area <= float(2 * pi) && length <= v.area * (1 - v.area / float(4 * pi)) * 1.00001f + 1e-12f && std::isfinite(length);
+        return v.area >= 0 && v.area <= float(2 * pi) && length <= v.area * (1 - v.area / float(4 * pi)) * 1.00001f + 1e-12f
+            && std::isfinite(length);
     };
     // All of D / A with one A, and some of it with all; or everything.
     for (int w = -128; w < 128; ++w) {
         const int step = exhaustive() >= 1 || w == 20 ? 1 : 15;
         for (int x = -128; x < 128; x += step)
             for (int y = -128; y < 128; y += step)
-                for (int z = -128; z < 128; z += step) ASSERT_TRUE(check({int8_t(x), int8_t(y), int8_t(z), int8_t(w)})) << x << " " << y << " " << z << " " << w;
+                for (int z = -128; z < 128; z += step)
+                    ASSERT_TRUE(check({int8_t(x), int8_t(y), int8_t(z), int8_t(w)})) << x << " " << y << " " << z << " " << w;
     }
     EXPECT_GE(checked, uint64_t(1) << 24);
     // What is lit with some of them.
@@ -174,7 +181,8 @@ TEST(Stability, EveryPackedValueIsPossible) {
         for (const Model& model : models()) {
             if (!model.fromVisibility || model.id == MODEL_OAT) continue;
             const float e = irradianceThrough(model.id, toReceiver(model, v, up), light, lightClassOf(light.sinRadius));
-            ASSERT_TRUE(e >= -1e-6f && e <= 1.016f * light.area) << model.name << " " << int(bytes[0]) << " " << int(bytes[1]) << " " << int(bytes[2]) << " " << int(bytes[3]);
+            ASSERT_TRUE(e >= -1e-6f && e <= 1.016f * light.area)
+                << model.name << " " << int(bytes[0]) << " " << int(bytes[1]) << " " << int(bytes[2]) << " " << int(bytes[3]);
         }
     }
 }

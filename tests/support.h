@@ -2,8 +2,8 @@
 // What several tests share: random directions, brute force, and where things are.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <glm/glm.hpp>
 #include <numbers>
@@ -39,9 +39,7 @@ inline std::vector<glm::dvec3> sphereLattice(int n) {
     return out;
 }
 
-inline CapLight capLight(const glm::dvec3& axis, double radius) {
-    return apertura::capLight(vec3(axis), float(std::sin(radius)));
-}
+inline CapLight capLight(const glm::dvec3& axis, double radius) { return apertura::capLight(vec3(axis), float(std::sin(radius))); }
 
 inline Aperture capAperture(const glm::dvec3& axis, double radius) {
     const double half = std::sin(radius / 2);
@@ -57,9 +55,8 @@ inline double exactFraction(const glm::dvec3& normal, std::vector<ExactCap> caps
 
 // The folder of real scenes beside the checkout, or nothing.
 inline std::filesystem::path dataFolder() { return std::filesystem::path(APERTURA_SOURCE) / ".." / "shared" / "data"; }
-#define NEEDS_DATA()                                      \
-    if (!std::filesystem::exists(apertura::test::dataFolder())) \
-    GTEST_SKIP() << "the real scenes of ../shared/data are not here"
+#define NEEDS_DATA() \
+    if (!std::filesystem::exists(apertura::test::dataFolder())) GTEST_SKIP() << "the real scenes of ../shared/data are not here"
 
 // A folder of the test's own, removed with it.
 struct Folder {
@@ -70,9 +67,7 @@ struct Folder {
     }
     ~Folder() { std::filesystem::remove_all(path); }
     std::string operator/(const std::string& name) const { return (path / name).string(); }
-    size_t files() const {
-        return size_t(std::distance(std::filesystem::directory_iterator(path), std::filesystem::directory_iterator()));
-    }
+    size_t files() const { return size_t(std::distance(std::filesystem::directory_iterator(path), std::filesystem::directory_iterator())); }
     std::string write(const std::string& name, const std::string& text) const {
         std::ofstream(path / name, std::ios::binary) << text;
         return *this / name;

@@ -1,8 +1,8 @@
 // What a file that somebody sent may make the readers do: nothing but say so in one line.
+#include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <fcntl.h>
 
 #include <chrono>
 
@@ -34,7 +34,8 @@ std::string refusal(const Folder& folder, const std::string& text) {
     }
 }
 
-std::string square(const std::string& extra = "", const std::string& views = "", const std::string& primitive = kFan, const std::string& nodes = R"({"mesh":0})") {
+std::string square(const std::string& extra = "", const std::string& views = "", const std::string& primitive = kFan,
+                   const std::string& nodes = R"({"mesh":0})") {
     return gltf(kSquare, kView + views, kVec3, primitive, nodes, extra);
 }
 
@@ -47,18 +48,24 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST(Untrusted, AnImageOutsideItsBufferIsRefused) {
     const Folder folder;
     for (const char* view : {R"({"buffer":0,"byteOffset":40,"byteLength":9})", R"({"buffer":0,"byteOffset":4000000000,"byteLength":100})"})
-        EXPECT_NE(refusal(folder, square(R"(,"images":[{"bufferView":1,"mimeType":"image/png"}])", std::string(",") + view)).find("outside its buffer"), std::string::npos);
-    EXPECT_EQ(refusal(folder, square(R"(,"images":[{"bufferView":1,"mimeType":"image/png"}])", R"(,{"buffer":0,"byteOffset":40,"byteLength":8})")), "");
+        EXPECT_NE(refusal(folder, square(R"(,"images":[{"bufferView":1,"mimeType":"image/png"}])", std::string(",") + view))
+                      .find("outside its buffer"),
+                  std::string::npos);
+    EXPECT_EQ(refusal(folder,
+                      square(R"(,"images":[{"bufferView":1,"mimeType":"image/png"}])", R"(,{"buffer":0,"byteOffset":40,"byteLength":8})")),
+              "");
 }
 
 TEST(Untrusted, EmptyDocumentsAndAccessorsAreNoCrash) {
     const Folder folder;
-    for (const char* text : {"{}", "[]", "{\"asset\":{}}", "{\"asset\":[]}", R"({"asset":{"version":"2.0"}})", R"({"asset":{"version":2}})", "{\"asset\":null}", "\xEF\xBB\xBF", "{"})
+    for (const char* text : {"{}", "[]", "{\"asset\":{}}", "{\"asset\":[]}", R"({"asset":{"version":"2.0"}})", R"({"asset":{"version":2}})",
+                             "{\"asset\":null}", "\xEF\xBB\xBF", "{"})
         EXPECT_NE(refusal(folder, text), "") << text;
     const std::string none = R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":0})";
     EXPECT_NE(refusal(folder, gltf(kSquare, kView, none, kFan)).find("no triangles"), std::string::npos);
     const std::string indices = std::string(kVec3) + R"(,{"bufferView":0,"componentType":5125,"type":"SCALAR","count":0})";
-    EXPECT_NE(refusal(folder, gltf(kSquare, kView, indices, R"({"attributes":{"POSITION":0},"indices":1})")).find("no triangles"), std::string::npos);
+    EXPECT_NE(refusal(folder, gltf(kSquare, kView, indices, R"({"attributes":{"POSITION":0},"indices":1})")).find("no triangles"),
+              std::string::npos);
 }
 
 // A folder with a secret beside it, and a file of a pipe, a link and a folder in it.
@@ -69,7 +76,8 @@ struct Trap {
         fs::create_directories(home / "sub");
         outer.write("secret.bin", std::string(48, 's'));
         const std::string square(reinterpret_cast<const char*>(kSquare.data()), 48);
-        for (const char* name : {"home/a.bin", "home/a..b.bin", "home/sub/a.bin", "home/..c.bin", "home/with space.bin"}) outer.write(name, square);
+        for (const char* name : {"home/a.bin", "home/a..b.bin", "home/sub/a.bin", "home/..c.bin", "home/with space.bin"})
+            outer.write(name, square);
         fs::create_symlink("../secret.bin", home / "leads-out.bin");
         fs::create_symlink("..", home / "up");
         fs::create_symlink("a.bin", home / "stays.bin");
@@ -93,10 +101,12 @@ TEST(Untrusted, UrisStayInTheFilesOwnFolder) {
     const auto buffer = [&](const std::string& uri) { return data.substr(0, begin) + uri + data.substr(end); };
     const auto image = [&](const std::string& uri) { return square(R"(,"images":[{"uri":")" + uri + "\"}]"); };
     const std::string absolute = (trap.outer.path / "home/a.bin").string();
-    for (const std::string& uri : {std::string("../secret.bin"), std::string("..%2Fsecret.bin"), std::string("%2e%2e/secret.bin"), std::string("sub/../../secret.bin"),
-                                  std::string("up/secret.bin"), std::string("leads-out.bin"), std::string("/etc/passwd"), "file://" + absolute, std::string("file:a.bin"), absolute,
-                                  std::string("http://localhost/a.bin"), std::string("pipe.bin"), std::string("sub"), std::string("."), std::string("a.bin%00"), std::string("%zz"),
-                                  std::string("data:,plain"), std::string("data:;base64,*")}) {
+    for (const std::string& uri :
+         {std::string("../secret.bin"), std::string("..%2Fsecret.bin"), std::string("%2e%2e/secret.bin"),
+          std::string("sub/../../secret.bin"), std::string("up/secret.bin"), std::string("leads-out.bin"), std::string("/etc/passwd"),
+          "file://" + absolute, std::string("file:a.bin"), absolute, std::string("http://localhost/a.bin"), std::string("pipe.bin"),
+          std::string("sub"), std::string("."), std::string("a.bin%00"), std::string("%zz"), std::string("data:,plain"),
+          std::string("data:;base64,*")}) {
         for (const std::string& text : {buffer(uri), image(uri)}) {
             const auto start = std::chrono::steady_clock::now();
             const std::string said = trap.refusal(text);
@@ -115,7 +125,8 @@ TEST(Untrusted, UrisStayInTheFilesOwnFolder) {
             EXPECT_TRUE(document.images[0]->empty()) << "the secret";
         }
     }
-    for (const char* uri : {"a.bin", "./a.bin", "sub/a.bin", "sub/../a.bin", "a..b.bin", "..c.bin", "%61.bin", "with%20space.bin", "with space.bin", "stays.bin"}) {
+    for (const char* uri : {"a.bin", "./a.bin", "sub/a.bin", "sub/../a.bin", "a..b.bin", "..c.bin", "%61.bin", "with%20space.bin",
+                            "with space.bin", "stays.bin"}) {
         EXPECT_EQ(trap.refusal(buffer(uri)), "") << uri;
         EXPECT_EQ(trap.refusal(image(uri)), "") << uri;
     }
@@ -128,7 +139,8 @@ TEST(Untrusted, BuffersAreOfTheLengthThatTheDocumentStates) {
         std::string text = replaced(square(), "data:", "a.bin\",\"was\":\"data:");
         EXPECT_NE(refusal(folder, text).find("'a.bin'"), std::string::npos) << size;
     }
-    EXPECT_NE(refusal(folder, replaced(square(), "\"byteLength\":48,\"uri\"", "\"byteLength\":49,\"uri\"")).find("48 bytes"), std::string::npos);
+    EXPECT_NE(refusal(folder, replaced(square(), "\"byteLength\":48,\"uri\"", "\"byteLength\":49,\"uri\"")).find("48 bytes"),
+              std::string::npos);
 }
 
 TEST(Untrusted, AMissingImageIsSaidAndKept) {
@@ -149,10 +161,15 @@ TEST(Untrusted, FallbackBuffersAreNotAllocated) {
     const GltfDocument document = readGltfDocument(folder.write("a.gltf", text));
     ASSERT_EQ(document.buffers.size(), 5u);
     for (int i = 1; i < 5; ++i) EXPECT_EQ(document.buffers[size_t(i)]->size(), 0u);
-    EXPECT_NE(refusal(folder, replaced(text, R"({"buffer":0,"byteLength":48})", R"({"buffer":1,"byteLength":48})")).find("outside its buffer"), std::string::npos);
+    EXPECT_NE(
+        refusal(folder, replaced(text, R"({"buffer":0,"byteLength":48})", R"({"buffer":1,"byteLength":48})")).find("outside its buffer"),
+        std::string::npos);
     // Compressed bytes that would be 256 MiB, were there as many as are promised.
     for (const char* mode : {"ATTRIBUTES", "TRIANGLES", "INDICES"}) {
-        const std::string packed = std::string(R"(,{"buffer":1,"byteLength":268435456,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteLength":48,"byteStride":4,"count":67108863,"mode":")") + mode + "\"}}}";
+        const std::string packed =
+            std::string(
+                R"(,{"buffer":1,"byteLength":268435456,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteLength":48,"byteStride":4,"count":67108863,"mode":")")
+            + mode + "\"}}}";
         EXPECT_NE(refusal(folder, replaced(text, kView, kView + packed)).find("damaged"), std::string::npos) << mode;
     }
 }
@@ -167,7 +184,8 @@ TEST(Untrusted, InstancesAreCountedBeforeTheyAreSpelledOut) {
     const std::string zeros = R"(,{"componentType":5126,"type":"VEC3","count":65536})";
     EXPECT_NE(refusal(folder, gltf(kSquare, kView, kVec3 + zeros, kFan, nodes)).find("1048576000 instances would take"), std::string::npos);
     // And positions of zeros, many more than the file has bytes.
-    const std::string many = R"({"componentType":5126,"type":"VEC3","count":2000000000,"sparse":{"count":1,"indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":0}}})";
+    const std::string many =
+        R"({"componentType":5126,"type":"VEC3","count":2000000000,"sparse":{"count":1,"indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":0}}})";
     EXPECT_NE(refusal(folder, gltf(kSquare, kView, many, kFan)).find("more than a file of its size can mean"), std::string::npos);
 }
 
@@ -177,7 +195,8 @@ TEST(Untrusted, InstancesAreAsManyAsEachOfTheirAttributesHas) {
     const std::string node = R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"ROTATION":1,"TRANSLATION":0}}}})";
     EXPECT_NE(refusal(folder, gltf(kSquare, kView, counts, kFan, node)).find("differ in length"), std::string::npos);
     // Weights and a number of the application's own go with each.
-    const std::string own = R"({"mesh":0,"weights":[0.5],"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0,"_ID":1}}}})";
+    const std::string own =
+        R"({"mesh":0,"weights":[0.5],"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0,"_ID":1}}}})";
     const std::string ids = std::string(kVec3) + R"(,{"bufferView":0,"componentType":5121,"type":"SCALAR","count":4})";
     const Scene scene = readGltf(folder.write("a.gltf", gltf(kSquare, kView, ids, kFan, own)));
     const Json& nodes = scene.document->json["nodes"];
@@ -191,7 +210,8 @@ TEST(Untrusted, InstancesAreAsManyAsEachOfTheirAttributesHas) {
 TEST(Untrusted, OneFileOfManyNamesIsReadOnce) {
     const Folder folder;
     folder.write("a.png", "\x89PNG" + std::string(100, 'x'));
-    const GltfDocument document = readGltfDocument(folder.write("a.gltf", square(R"(,"images":[{"uri":"a.png"},{"uri":"./a.png"},{"uri":"%61.png"}])")));
+    const GltfDocument document = readGltfDocument(
+        folder.write("a.gltf", square(R"(,"images":[{"uri":"a.png"},{"uri":"./a.png"},{"uri":"%61.png"}])")));
     EXPECT_EQ(document.images[0], document.images[1]);
     EXPECT_EQ(document.images[0], document.images[2]);
 }
@@ -205,7 +225,9 @@ TEST(Untrusted, WhatIsRepeatedIsBounded) {
     EXPECT_NE(refusal(folder, gltf(kSquare, kView, zeros, primitives)).find("more than a file of its size can mean"), std::string::npos);
     const std::string places = std::string(kVec3) + R"(,{"componentType":5126,"type":"VEC3","count":60000})";
     const std::string extras = R"({"attributes":{"POSITION":0},"mode":6,"extras":")" + std::string(40000, 'x') + "\"}";
-    const Scene scene = readGltf(folder.write("b.gltf", gltf(kSquare, kView, places, extras, R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}})")));
+    const Scene scene = readGltf(folder.write(
+        "b.gltf",
+        gltf(kSquare, kView, places, extras, R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}})")));
     BakedVisibility seen(scene.instances.size(), {std::vector<Visibility>(4), {}});
     EXPECT_THROW(writeAsset(folder / "o.glb", scene, seen, {}), Error);
 }
@@ -215,7 +237,8 @@ TEST(Untrusted, ACameraFarOffOrOfNoUseIsNoCrash) {
     for (const char* translation : {"1e8", "1e14", "1e20", "1e300"})
         for (const char* fov : {"0.7", "3.2", "1e300"}) {
             const std::string nodes = std::string(R"({"mesh":0,"children":[1]},{"camera":0,"translation":[)") + translation + ",0,0]}";
-            const std::string text = square(std::string(R"(,"cameras":[{"type":"perspective","perspective":{"yfov":)") + fov + R"(,"znear":0.1}}])", "", kFan, nodes);
+            const std::string text = square(
+                std::string(R"(,"cameras":[{"type":"perspective","perspective":{"yfov":)") + fov + R"(,"znear":0.1}}])", "", kFan, nodes);
             const Scene scene = readGltf(folder.write("a.gltf", text));
             const glm::vec3 ray = rayThrough(viewOf(scene), 1.5, 0.3, 0.3);
             EXPECT_TRUE(std::isfinite(glm::length(ray)) && glm::length(ray) > 0) << translation << " " << fov;
@@ -225,14 +248,17 @@ TEST(Untrusted, ACameraFarOffOrOfNoUseIsNoCrash) {
 TEST(Untrusted, AMorphTargetHasAnElementAVertex) {
     const Folder folder;
     const std::string two = std::string(kVec3) + R"(,{"bufferView":0,"componentType":5126,"type":"VEC3","count":2})";
-    EXPECT_NE(refusal(folder, gltf(kSquare, kView, two, R"({"attributes":{"POSITION":0},"targets":[{"POSITION":1}],"mode":6})")).find("one element a vertex"), std::string::npos);
+    EXPECT_NE(refusal(folder, gltf(kSquare, kView, two, R"({"attributes":{"POSITION":0},"targets":[{"POSITION":1}],"mode":6})"))
+                  .find("one element a vertex"),
+              std::string::npos);
 }
 
 TEST(Untrusted, FlatAndTinyInstancesAreTraced) {
     const Folder folder;
     // Of one mesh: as it is, squashed flat and turned, and a speck.
     for (const char* scale : {"[1,1,0]", "[1,1e-9,1]", "[1e-20,1e-20,1e-20]", "[0,0,0]", "[1e-12,1e12,1]"}) {
-        const std::string nodes = std::string(R"({"children":[1,2]},{"mesh":0},{"mesh":0,"rotation":[0.5,0.5,0.1,0.7],"scale":)") + scale + "}";
+        const std::string nodes = std::string(R"({"children":[1,2]},{"mesh":0},{"mesh":0,"rotation":[0.5,0.5,0.1,0.7],"scale":)") + scale
+                                + "}";
         const Scene scene = readGltf(folder.write("a.gltf", square("", "", kFan, nodes)));
         const Tracer tracer(scene);
         for (const SeenByInstance& seen : bakeVertices(scene, tracer, {}))
@@ -265,10 +291,13 @@ TEST(Untrusted, WhatIsNotGltfTwoIsSaid) {
         {R"("componentType":5126)", R"("componentType":5130)", "component type"},
         {R"("type":"VEC3")", R"("type":"VEC5")", "type"},
     };
-    for (const auto& c : cases) EXPECT_NE(refusal(folder, replaced(square(), c.from, c.to)).find(c.said), std::string::npos) << c.to << ": " << refusal(folder, replaced(square(), c.from, c.to));
+    for (const auto& c : cases)
+        EXPECT_NE(refusal(folder, replaced(square(), c.from, c.to)).find(c.said), std::string::npos)
+            << c.to << ": " << refusal(folder, replaced(square(), c.from, c.to));
     // Indices that are floats, of the right shape.
     const std::string floats = std::string(kVec3) + R"(,{"bufferView":0,"componentType":5126,"type":"SCALAR","count":3})";
-    EXPECT_NE(refusal(folder, gltf(kSquare, kView, floats, R"({"attributes":{"POSITION":0},"indices":1})")).find("holds no indices"), std::string::npos);
+    EXPECT_NE(refusal(folder, gltf(kSquare, kView, floats, R"({"attributes":{"POSITION":0},"indices":1})")).find("holds no indices"),
+              std::string::npos);
     EXPECT_EQ(refusal(folder, replaced(square(), R"("version":"2.0")", R"("version":"2.1","minVersion":"2.0")")), "");
     EXPECT_EQ(refusal(folder, replaced(square(), R"("count":4)", R"("count":4.0)")), "");
 }
@@ -279,7 +308,7 @@ std::string tinyTiff(const std::string& texels) {
     auto put = [&](uint32_t value, int bytes) {
         for (int i = 0; i < bytes; ++i) out += char(value >> (8 * i) & 255);
     };
-    const uint32_t fields[][4] = {{256, 3, 1, 2},  {257, 3, 1, 2}, {258, 3, 3, 134}, {259, 3, 1, 1}, {262, 3, 1, 2},
+    const uint32_t fields[][4] = {{256, 3, 1, 2},   {257, 3, 1, 2}, {258, 3, 3, 134}, {259, 3, 1, 1},  {262, 3, 1, 2},
                                   {273, 4, 1, 140}, {277, 3, 1, 3}, {278, 3, 1, 2},   {279, 4, 1, 12}, {284, 3, 1, 1}};
     put(std::size(fields), 2);
     for (const auto& f : fields) put(f[0], 2), put(f[1], 2), put(f[2], 4), put(f[3], 4);

@@ -66,12 +66,15 @@ TEST(Vertices, SealedRoomIsDarkAndBallIsOpenAtEverySizeAndPlace) {
         for (const glm::vec3& place : {glm::vec3(0), glm::vec3(1e6f, -1e6f, 3e5f)})
             for (const glm::mat4& turn : {glm::mat4(1), kTurned}) {
                 const glm::mat4 transform = glm::scale(glm::translate(glm::mat4(1), place) * turn, glm::vec3(float(size)));
-                for (const double open : bake(sceneOf({room(0.5)}, transform)).open()) ASSERT_EQ(open, 0) << "light leaks in: " << size << " m at " << place.x;
-                for (const double open : bake(sceneOf({ball}, transform)).open()) ASSERT_NEAR(open, 1, 1e-6) << "it hits itself: " << size << " m at " << place.x;
+                for (const double open : bake(sceneOf({room(0.5)}, transform)).open())
+                    ASSERT_EQ(open, 0) << "light leaks in: " << size << " m at " << place.x;
+                for (const double open : bake(sceneOf({ball}, transform)).open())
+                    ASSERT_NEAR(open, 1, 1e-6) << "it hits itself: " << size << " m at " << place.x;
                 // Instanced: the rays go into frames of the surfaces' own.
                 Scene two = sceneOf({ball}, transform);
                 two.instances.push_back({0, glm::translate(glm::mat4(1), glm::vec3(float(size * 40), 0, 0)) * transform});
-                for (const double open : bake(two).open()) ASSERT_GT(open, 0.996) << "it hits itself, instanced: " << size << " m at " << place.x;
+                for (const double open : bake(two).open())
+                    ASSERT_GT(open, 0.996) << "it hits itself, instanced: " << size << " m at " << place.x;
             }
 }
 
@@ -83,14 +86,16 @@ TEST(Vertices, BumpySurfaceIsTheSameAtEverySizeAndPlace) {
     for (const double size : {1e-4, 7.0, 1e5})
         for (const glm::vec3& place : {glm::vec3(0), glm::vec3(1e6f, 2e6f, -1e6f)}) {
             const auto open = bake(sceneOf({blob()}, glm::scale(glm::translate(glm::mat4(1), place), glm::vec3(float(size))))).open();
-            for (size_t i = 0; i < open.size(); ++i) ASSERT_NEAR(open[i], expected[i], 3.5 / 256) << size << " m at " << place.x;  // rays that graze
+            for (size_t i = 0; i < open.size(); ++i)
+                ASSERT_NEAR(open[i], expected[i], 3.5 / 256) << size << " m at " << place.x;  // rays that graze
         }
 }
 
 TEST(Vertices, CloseUpOfAHugeSceneIsNotLiftedOffIt) {
     // A step of 1 mm on a ground of 100 km: rays that started a part of the ground's size above it would not see it.
     Surface ground = panel({-5e4, 0, 5e4}, {1e5, 0, 0}, {0, 0, -1e5}, 1e5);
-    const Surface wall = panel({0, 0, -0.05}, {0, 0.001, 0}, {0, 0, 0.1}, 0.001), floor = panel({0, 0, 0.05}, {0.1, 0, 0}, {0, 0, -0.1}, 0.01);
+    const Surface wall = panel({0, 0, -0.05}, {0, 0.001, 0}, {0, 0, 0.1}, 0.001),
+                  floor = panel({0, 0, 0.05}, {0.1, 0, 0}, {0, 0, -0.1}, 0.01);
     const Scene scene = sceneOf({ground, wall, floor});
     const BakedVisibility baked = bakeVertices(scene, Tracer(scene), {.rays = 1024});
     int seen = 0;
@@ -116,7 +121,8 @@ TEST(Vertices, DoubledAndCoplanarFacesBlockNothing) {
 TEST(Vertices, TrianglesOfNoAreaAreCountedAndBlockNothing) {
     Surface plane = panel({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, 1);
     const auto n = uint32_t(plane.positions.size());
-    for (const glm::vec3& p : {glm::vec3(0, 1, 0), glm::vec3(1, 1, 0), glm::vec3(2, 1, 0)}) plane.positions.push_back(p), plane.normals.emplace_back(0, 1, 0);
+    for (const glm::vec3& p : {glm::vec3(0, 1, 0), glm::vec3(1, 1, 0), glm::vec3(2, 1, 0)})
+        plane.positions.push_back(p), plane.normals.emplace_back(0, 1, 0);
     plane.triangles.push_back({n, n + 1, n + 2});
     plane.triangles.push_back({3, 3, 4});
     plane.triangles.push_back({7, 7, 7});
@@ -132,7 +138,7 @@ TEST(Vertices, GroundUnderABoxIsNotBlackAroundIt) {
     addBox(box, {-1.4, 0, -1.4}, {1.4, 1, 1.4}, 0.1);
     const Scene scene = sceneOf({panel({-6, 0, 6}, {12, 0, 0}, {0, 0, -12}, 1), box});
     const Baked baked = bake(scene);
-    EXPECT_EQ(baked.issues.moved, 8u);   // the ring of nine vertices but the middle one,
+    EXPECT_EQ(baked.issues.moved, 8u);         // the ring of nine vertices but the middle one,
     EXPECT_EQ(baked.issues.insideSolids, 1u);  // whose triangles are all inside
     const Surface& ground = scene.surfaces[0];
     int inside = 0;

@@ -52,9 +52,10 @@ void run(const Arguments& a) {
         vertices += seen.visibility.size();
         for (const Visibility& v : seen.visibility) closed += v.area <= 0;
     }
-    std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices,
-                triangleCount(scene), a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
-    if (isHeightMap(a.scene) && !a.spacingGiven) std::printf("  texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise\n");
+    std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices, triangleCount(scene),
+                a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
+    if (isHeightMap(a.scene) && !a.spacingGiven)
+        std::printf("  texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise\n");
     if (double(closed) > kNearlyAll * double(vertices))
         std::printf("  %zu of %zu vertices see nothing of the sky: a closed room, or faces that are wound inside out\n", closed, vertices);
     for (const std::string& note : scene.notes) std::printf("  %s\n", printable(note).c_str());
@@ -99,7 +100,9 @@ void addBakeCommand(CLI::App& program) {
     command.add_option("--model", a->model, "what to store, of the models below [sh]")
         ->check(CLI::Validator([](const std::string& name) { return findRecipe(name) ? "" : whyNoRecipe(name); }, ""))
         ->type_name("NAME");
-    command.add_option("--tolerance", a->bake.tolerance, "of the model auto: RMSE of E / (L pi sin^2 r) at light radii 5 and 15 degrees [0.05]")
+    command
+        .add_option("--tolerance", a->bake.tolerance,
+                    "of the model auto: RMSE of E / (L pi sin^2 r) at light radii 5 and 15 degrees [0.05]")
         ->check(finiteRange(1e-6, 1e6))
         ->type_name("RMSE");
     addHeightMapOptions(command, a->map);

@@ -10,11 +10,11 @@
 #include <sstream>
 
 #include "bake/fit/bake.h"
-#include "bake/scene/isolated.h"
 #include "bake/measure/measure.h"
-#include "runtime/render/cost.h"
+#include "bake/scene/isolated.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
+#include "runtime/render/cost.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 
@@ -37,7 +37,7 @@ constexpr double kMapRadius = 5;  // degrees, of the light that error maps show
 // By model and class of lights, above what N.L alone costs there.
 struct Costs {
     std::map<std::string, std::map<std::pair<int, int>, int>> cycles;  // by family
-    std::map<std::pair<int, int>, double> time;                         // as a multiple of N.L's
+    std::map<std::pair<int, int>, double> time;                        // as a multiple of N.L's
     std::string device;
 };
 
@@ -119,7 +119,8 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
     fitOptions.lambda = 1 / (fitOptions.tolerance * fitOptions.tolerance);
     std::vector<std::pair<Samples, mat3>> samples;
     const auto start = Clock::now();
-    samplePoints(RayOcclusion(tracer), points, tools.lattice, options.seed, 1, {}, [&](size_t, const Samples& s, const mat3& frame) { samples.emplace_back(s, frame); });
+    samplePoints(RayOcclusion(tracer), points, tools.lattice, options.seed, 1, {},
+                 [&](size_t, const Samples& s, const mat3& frame) { samples.emplace_back(s, frame); });
     const double tracing = std::chrono::duration<double>(Clock::now() - start).count();
     std::map<std::string, BakeCost> out;
     double plain = 0;
@@ -158,8 +159,9 @@ std::string toCsv(const std::vector<Measurement>& all, const Costs& costs, const
     for (const Measurement& m : all)
         for (const MeasureRow& r : m.rows) {
             if (r.source == "rays" && findModel(r.model)->fromVisibility) continue;  // the same as from sh
-            out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << r.numbers << ',' << r.bytes << ',' << r.lightRadius << ','
-                << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise << ',' << r.ambient << ',' << r.leakMax << ',' << r.leak99;
+            out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << r.numbers << ',' << r.bytes << ',' << r.lightRadius
+                << ',' << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise << ',' << r.ambient << ','
+                << r.leakMax << ',' << r.leak99;
             const std::pair key(findModel(r.model)->id, lightClassOf(float(std::sin(r.lightRadius * std::numbers::pi / 180))));
             for (const char* family : kFamilies) {
                 out << ',';
@@ -187,8 +189,8 @@ std::string toMaps(const std::vector<Measurement>& all) {
     for (const auto& [key, found] : worst) {
         const auto& [m, row] = found;
         for (size_t i = 0; i < m->positions.size(); ++i)
-            out << inQuotes(m->scene) << ',' << row->model << ',' << row->source << ',' << m->positions[i].x << ',' << m->positions[i].y << ','
-                << m->positions[i].z << ',' << row->receiverRmse[i] << '\n';
+            out << inQuotes(m->scene) << ',' << row->model << ',' << row->source << ',' << m->positions[i].x << ',' << m->positions[i].y
+                << ',' << m->positions[i].z << ',' << row->receiverRmse[i] << '\n';
     }
     return out.str();
 }
@@ -219,14 +221,15 @@ void run(Arguments a) {
         const Progress progress = bar.callback();
         baking = measureBaking(scenes[0], a.measure);
         for (size_t i = 0; i < scenes.size(); ++i)
-            all.push_back(measureScene(scenes[i], a.measure, [&](double share) {
-                return progress((double(i) + share) / double(scenes.size()));
-            }));
+            all.push_back(
+                measureScene(scenes[i], a.measure, [&](double share) { return progress((double(i) + share) / double(scenes.size())); }));
     }
     if (interrupted()) throw Cancelled{};
     writeTextFile(csv, toCsv(all, costs, baking));
     writeTextFile(maps, toMaps(all));
-    writeTextFile(about, nlohmann::ordered_json{{"version", APERTURA_VERSION}, {"receivers", all[0].receivers}, {"device", costs.device}}.dump() + "\n");
+    writeTextFile(
+        about,
+        nlohmann::ordered_json{{"version", APERTURA_VERSION}, {"receivers", all[0].receivers}, {"device", costs.device}}.dump() + "\n");
     drawCharts(APERTURA_CHARTS, a.out, "the table models.csv is there, the charts are not");
     std::printf("%s/index.html: %zu scenes, %d receivers each\n", a.out.c_str(), all.size(), all[0].receivers);
 }
@@ -249,8 +252,12 @@ void addChartCommand(CLI::App& program) {
         ->delimiter(',')
         ->check(finiteRange(0.01, 45.0))
         ->type_name("D,D,...");
-    command.add_option("--receivers", a->measure.receivers, "points on each scene's surface [200]")->check(CLI::Range(1, 1000000))->type_name("N");
-    command.add_option("--tolerance", a->measure.tolerance, "of the model auto: RMSE [0.05]")->check(finiteRange(1e-6, 1e6))->type_name("RMSE");
+    command.add_option("--receivers", a->measure.receivers, "points on each scene's surface [200]")
+        ->check(CLI::Range(1, 1000000))
+        ->type_name("N");
+    command.add_option("--tolerance", a->measure.tolerance, "of the model auto: RMSE [0.05]")
+        ->check(finiteRange(1e-6, 1e6))
+        ->type_name("RMSE");
     command.add_option("--seed", a->measure.seed, "of the receivers and the rays [1]")->type_name("S");
     command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     addHeightMapOptions(command, a->map);

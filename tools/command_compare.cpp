@@ -74,15 +74,17 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     };
     footer("rms of the truth", &MeasureRow::rmsTruth);
     footer("the truth's own noise", &MeasureRow::noise);
-    std::printf("from: sh, the coefficients of what the rays see; rays, straight from them; fit, fitted to them. bytes: of a vertex in the asset\n");
+    std::printf(
+        "from: sh, the coefficients of what the rays see; rays, straight from them; fit, fitted to them. bytes: of a vertex in the "
+        "asset\n");
     if (m.paths.empty()) return;
     std::printf(
         "\nwhere apertures of coefficients (sh) and of rays part: what each step does to the receiver's own aperture,\n"
-                "rms and largest, and to its E / (L pi sin^2 r) of a light of 5 degrees\n");
+        "rms and largest, and to its E / (L pi sin^2 r) of a light of 5 degrees\n");
     std::printf("%-56s %-5s %17s %17s %8s\n", "", "from", "axis deg rms/max", "radius deg", "E rms");
     for (const PathRow& p : m.paths)
-        std::printf("%-56s %-5s %8.3f %8.2f %8.3f %8.2f %8.4f\n", p.stage.c_str(), p.source.c_str(), p.directionRms,
-                    p.directionMax, p.radiusRms, p.radiusMax, p.irradianceRms);
+        std::printf("%-56s %-5s %8.3f %8.2f %8.3f %8.2f %8.4f\n", p.stage.c_str(), p.source.c_str(), p.directionRms, p.directionMax,
+                    p.radiusRms, p.radiusMax, p.irradianceRms);
 }
 
 void run(Arguments a) {
@@ -105,7 +107,8 @@ void run(Arguments a) {
             const Asset asset = toAsset(scene);
             for (const Model* model : a.measure.models)
                 if (!model->fromVisibility && model != storedModel(asset.info))
-                    throw Error(a.scene + ": does not hold the model " + std::string(model->name) + "; bake it with --model " + std::string(model->name));
+                    throw Error(a.scene + ": does not hold the model " + std::string(model->name) + "; bake it with --model "
+                                + std::string(model->name));
             result = measureAsset(asset, a.measure, bar.callback());
         } else {
             result = measureScene(scene, a.measure, bar.callback());
@@ -130,9 +133,7 @@ void addCompareCommand(CLI::App& program) {
         ->delimiter(',')
         ->check(finiteRange(0.01, 45.0))
         ->type_name("D,D,...");
-    command.add_option("--receivers", a->measure.receivers, "points on the surface [600]")
-        ->check(CLI::Range(1, 1000000))
-        ->type_name("N");
+    command.add_option("--receivers", a->measure.receivers, "points on the surface [600]")->check(CLI::Range(1, 1000000))->type_name("N");
     command.add_option("--tolerance", a->measure.tolerance, "of the model auto: RMSE [0.05]")
         ->check(finiteRange(1e-6, 1e6))
         ->type_name("RMSE");

@@ -49,25 +49,25 @@ nlohmann::ordered_json describe(const std::string& file) {
         }
     const PackingError error = packingError(asset.info.bits);
     nlohmann::ordered_json out{{"file", file},
-            {"version", asset.info.version},
-            {"model", asset.info.model},
-            {"rays", asset.info.rays},
-            {"seed", asset.info.seed},
-            {"max_distance", asset.info.maxDistance},
-            {"hemisphere", asset.info.hemisphere},
-            {"instances", asset.scene.instances.size()},
-            {"vertices", vertices},
-            {"triangles", triangleCount(asset.scene)},
-            {"bits", asset.info.bits},
-            {"bytes_per_vertex", bytesAPoint(asset)},
-            {"mean_open", area / double(vertices)},
-            {"mean_capness", cap / double(vertices)},
-            {"closed_vertices", closed},
-            {"error_bounds",
-             {{"area_of_hemisphere", error.area},
-              {"direction", error.direction},
-              {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / std::numbers::pi},
-              {"radius_degrees", error.radius * 180 / std::numbers::pi}}}};
+                               {"version", asset.info.version},
+                               {"model", asset.info.model},
+                               {"rays", asset.info.rays},
+                               {"seed", asset.info.seed},
+                               {"max_distance", asset.info.maxDistance},
+                               {"hemisphere", asset.info.hemisphere},
+                               {"instances", asset.scene.instances.size()},
+                               {"vertices", vertices},
+                               {"triangles", triangleCount(asset.scene)},
+                               {"bits", asset.info.bits},
+                               {"bytes_per_vertex", bytesAPoint(asset)},
+                               {"mean_open", area / double(vertices)},
+                               {"mean_capness", cap / double(vertices)},
+                               {"closed_vertices", closed},
+                               {"error_bounds",
+                                {{"area_of_hemisphere", error.area},
+                                 {"direction", error.direction},
+                                 {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / std::numbers::pi},
+                                 {"radius_degrees", error.radius * 180 / std::numbers::pi}}}};
     if (asset.info.model == "auto") out["auto"] = describeChoices(asset);
     return out;
 }
@@ -75,15 +75,16 @@ nlohmann::ordered_json describe(const std::string& file) {
 void print(const nlohmann::ordered_json& d) {
     const auto text = [&](const char* key) { return printable(d[key].get<std::string>()); };
     std::printf("%s: baked by Apertura %s\n", text("file").c_str(), text("version").c_str());
-    std::printf("  model         %s, %d rays a vertex, seed %u, hemisphere about the %s\n", text("model").c_str(),
-                d["rays"].get<int>(), d["seed"].get<unsigned>(), text("hemisphere").c_str());
+    std::printf("  model         %s, %d rays a vertex, seed %u, hemisphere about the %s\n", text("model").c_str(), d["rays"].get<int>(),
+                d["seed"].get<unsigned>(), text("hemisphere").c_str());
     if (d["max_distance"].get<double>() > 0) std::printf("  max distance  %g m\n", d["max_distance"].get<double>());
-    std::printf("  geometry      %zu vertices, %zu triangles, %zu instances\n", d["vertices"].get<size_t>(),
-                d["triangles"].get<size_t>(), d["instances"].get<size_t>());
+    std::printf("  geometry      %zu vertices, %zu triangles, %zu instances\n", d["vertices"].get<size_t>(), d["triangles"].get<size_t>(),
+                d["instances"].get<size_t>());
     std::printf("  stored        %.3g bytes a vertex, %d bits a number\n", d["bytes_per_vertex"].get<double>(), d["bits"].get<int>());
     if (d.contains("auto")) {
         const auto& a = d["auto"];
-        std::printf("  auto          tolerance %g, %.2f numbers a vertex:", a["tolerance"].get<double>(), a["numbers_per_vertex"].get<double>());
+        std::printf("  auto          tolerance %g, %.2f numbers a vertex:", a["tolerance"].get<double>(),
+                    a["numbers_per_vertex"].get<double>());
         for (const auto& [name, share] : a["shares"].items())
             if (share.get<double>() > 0) std::printf(" %s %.1f %%", name.c_str(), 100 * share.get<double>());
         std::printf("\n");
@@ -95,9 +96,11 @@ void print(const nlohmann::ordered_json& d) {
     std::printf("  visibility    %.3f of the hemisphere open on average, capness %.3f (1: it is one cap), %zu vertices closed\n",
                 d["mean_open"].get<double>(), d["mean_capness"].get<double>(), d["closed_vertices"].get<size_t>());
     const auto& e = d["error_bounds"];
-    std::printf("  error bounds  of the four numbers: area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap), radius %.3f degrees\n",
-                e["area_of_hemisphere"].get<double>(), e["direction"].get<double>(),
-                e["direction_degrees_of_a_cap"].get<double>(), e["radius_degrees"].get<double>());
+    std::printf(
+        "  error bounds  of the four numbers: area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap), radius %.3f "
+        "degrees\n",
+        e["area_of_hemisphere"].get<double>(), e["direction"].get<double>(), e["direction_degrees_of_a_cap"].get<double>(),
+        e["radius_degrees"].get<double>());
 }
 
 }  // namespace

@@ -47,8 +47,7 @@ Camera parseCamera(const std::string& text, const Camera& fallback) {
 Light sun(const Arguments& a) {
     const double azimuth = a.azimuth * kDegree, elevation = a.elevation * kDegree, radius = a.radius * kDegree;
     // From north (-Z) by east (+X).
-    const glm::vec3 direction(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
-                              -std::cos(elevation) * std::cos(azimuth));
+    const glm::vec3 direction(std::cos(elevation) * std::sin(azimuth), std::sin(elevation), -std::cos(elevation) * std::cos(azimuth));
     const double radiance = kSunIrradiance / (std::numbers::pi * std::sin(radius) * std::sin(radius));
     return directionalLight(direction, radius, glm::vec3(radiance * glm::dvec3(1, 0.93, 0.82)));
 }
@@ -88,8 +87,7 @@ void run(const Arguments& a) {
     }
     if (interrupted()) throw Cancelled{};
     writePicture(a.out, picture);
-    std::printf("%s: %d x %d, %s\n", a.out.c_str(), view.width, view.height,
-                model ? std::string(model->name).c_str() : a.model.c_str());
+    std::printf("%s: %d x %d, %s\n", a.out.c_str(), view.width, view.height, model ? std::string(model->name).c_str() : a.model.c_str());
 }
 
 }  // namespace
@@ -104,14 +102,12 @@ void addRenderCommand(CLI::App& program) {
     command.add_option("--sun-azimuth", a->azimuth, "degrees from north (-Z) by east (+X) [135]")
         ->check(finiteRange(-360.0, 360.0))
         ->type_name("D");
-    command.add_option("--sun-elevation", a->elevation, "degrees above the horizon [40]")
-        ->check(finiteRange(-90.0, 90.0))
-        ->type_name("D");
+    command.add_option("--sun-elevation", a->elevation, "degrees above the horizon [40]")->check(finiteRange(-90.0, 90.0))->type_name("D");
     command.add_option("--sun-radius", a->radius, "degrees [0.27]")->check(finiteRange(0.01, 45.0))->type_name("D");
     command.add_option("--sky", a->sky, "the sky's colour, sRGB [5d7cac]")->type_name("RRGGBB");
     command
-        .add_option_function<std::string>("--size", [a](const std::string& text) { parsePair(text, a->width, a->height); },
-                                          "pixels [960x540]")
+        .add_option_function<std::string>(
+            "--size", [a](const std::string& text) { parsePair(text, a->width, a->height); }, "pixels [960x540]")
         ->type_name("WxH");
     command.add_option("--camera", a->camera, "eye, target and vertical field of view in degrees [the asset's own, or all of it]")
         ->type_name("EX,EY,EZ,TX,TY,TZ[,FOV]");

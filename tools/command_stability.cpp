@@ -42,8 +42,9 @@ std::string sweepsCsv(const std::vector<StabilityRow>& rows) {
     out.precision(5);
     out << "model,baseline,sweep,frames,not_finite,outside,error,error_at,model_error,step,exact_step,device_difference\n";
     for (const StabilityRow& r : rows)
-        out << r.model << ',' << r.baseline << ",\"" << r.sweep << "\"," << r.frames << ',' << r.notFinite << ',' << r.outside << ',' << r.error << ','
-            << r.worst << ',' << r.modelError << ',' << r.step << ',' << r.exactStep << ',' << (r.onDevice < 0 ? "" : std::to_string(r.onDevice)) << '\n';
+        out << r.model << ',' << r.baseline << ",\"" << r.sweep << "\"," << r.frames << ',' << r.notFinite << ',' << r.outside << ','
+            << r.error << ',' << r.worst << ',' << r.modelError << ',' << r.step << ',' << r.exactStep << ','
+            << (r.onDevice < 0 ? "" : std::to_string(r.onDevice)) << '\n';
     return out.str();
 }
 
@@ -58,7 +59,8 @@ std::string mapCsv(const std::vector<FailurePoint>& rows) {
     std::ostringstream out;
     out.precision(5);
     out << "model,light_radius_deg,aperture_radius_deg,distance,error\n";
-    for (const FailurePoint& r : rows) out << r.model << ',' << r.lightRadius << ',' << r.apertureRadius << ',' << r.distance << ',' << r.error << '\n';
+    for (const FailurePoint& r : rows)
+        out << r.model << ',' << r.lightRadius << ',' << r.apertureRadius << ',' << r.distance << ',' << r.error << '\n';
     return out.str();
 }
 
@@ -68,7 +70,8 @@ std::string decodeCsv() {
     out << "bits,open,capness,axis_deg,axis_bound_deg,radius_deg,radius_bound_deg\n";
     for (const int bits : {8, 16})
         for (const DecodeError& r : decodeErrors(bits))
-            out << r.bits << ',' << r.open << ',' << r.capness << ',' << r.axis << ',' << r.axisBound << ',' << r.radius << ',' << r.radiusBound << '\n';
+            out << r.bits << ',' << r.open << ',' << r.capness << ',' << r.axis << ',' << r.axisBound << ',' << r.radius << ','
+                << r.radiusBound << '\n';
     return out.str();
 }
 
@@ -77,7 +80,8 @@ std::string mixingCsv(const std::vector<MixingError>& rows) {
     out.precision(5);
     out << "model,baseline,between,light_radius_deg,below,above,path\n";
     for (const MixingError& r : rows)
-        out << r.model << ',' << findModel(r.model)->baseline << ",\"" << r.between << "\"," << r.lightRadius << ',' << r.below << ',' << r.above << ',' << r.path << '\n';
+        out << r.model << ',' << findModel(r.model)->baseline << ",\"" << r.between << "\"," << r.lightRadius << ',' << r.below << ','
+            << r.above << ',' << r.path << '\n';
     return out.str();
 }
 
@@ -85,7 +89,8 @@ std::string halfCsv(const std::vector<HalfError>& rows) {
     std::ostringstream out;
     out << "model,baseline,light_radius_deg,lights,not_finite,rms,max\n";
     for (const HalfError& r : rows)
-        out << r.model << ',' << findModel(r.model)->baseline << ',' << r.radius << ',' << r.lights << ',' << r.notFinite << ',' << r.rms << ',' << r.max << '\n';
+        out << r.model << ',' << findModel(r.model)->baseline << ',' << r.radius << ',' << r.lights << ',' << r.notFinite << ',' << r.rms
+            << ',' << r.max << '\n';
     return out.str();
 }
 
@@ -99,22 +104,24 @@ std::string countsCsv(const std::vector<ModelReport>& reports) {
 }
 
 void print(const std::vector<ModelReport>& reports) {
-    std::printf("%-11s %10s %8s   %6s %-52s %6s   %6s   %6s\n", "model", "not finite", "outside", "error", "in the sweep", "step", "scenes", "half");
+    std::printf("%-11s %10s %8s   %6s %-52s %6s   %6s   %6s\n", "model", "not finite", "outside", "error", "in the sweep", "step", "scenes",
+                "half");
     for (const ModelReport& r : reports)
         std::printf("%-11s %10llu %8llu   %6.3f %-52s %6.2f   %6.2f   %6s%s\n", std::string(r.model->name).c_str(),
                     static_cast<unsigned long long>(r.here.notFinite + r.onDevice.notFinite),
                     static_cast<unsigned long long>(r.here.outside + r.onDevice.outside), r.error, r.errorIn.c_str(), r.step, r.sceneStep,
-                    r.half < 0 ? "" : std::to_string(r.half).substr(0, 6).c_str(),
-                    r.model->baseline ? "   baseline" : "");
-    std::printf("error: the largest, in shares of the smaller of light and opening, from the model's own exact integral (of a baseline: from the\n"
-                "opening). step: the largest, in a sweep, as a multiple of the exact one. scenes: of a light that crosses the sky of the built-in\n"
-                "scenes, as a multiple of what its rim can sweep. half: what 16-bit floats add, the largest RMS of E / (L pi sin^2 r).\n");
+                    r.half < 0 ? "" : std::to_string(r.half).substr(0, 6).c_str(), r.model->baseline ? "   baseline" : "");
+    std::printf(
+        "error: the largest, in shares of the smaller of light and opening, from the model's own exact integral (of a baseline: from the\n"
+        "opening). step: the largest, in a sweep, as a multiple of the exact one. scenes: of a light that crosses the sky of the built-in\n"
+        "scenes, as a multiple of what its rim can sweep. half: what 16-bit floats add, the largest RMS of E / (L pi sin^2 r).\n");
 }
 
 void run(const Arguments& a) {
     std::vector<const Model*> asked;
     for (const Model& model : models())
-        if (model.id != MODEL_UNSHADOWED && (a.models.empty() || std::find(a.models.begin(), a.models.end(), model.name) != a.models.end())) asked.push_back(&model);
+        if (model.id != MODEL_UNSHADOWED && (a.models.empty() || std::find(a.models.begin(), a.models.end(), model.name) != a.models.end()))
+            asked.push_back(&model);
     for (const std::string& name : a.models)
         if (!findModel(name)) throw CLI::ValidationError("--models: there is no model '" + name + "' (there are " + modelNames() + ")");
     std::error_code failed;
@@ -208,14 +215,19 @@ void addStabilityCommand(CLI::App& program) {
     auto a = std::make_shared<Arguments>();
     CLI::App& command = *program.add_subcommand("stability", "where each model breaks: singular configurations, hostile numbers, flashes");
     command.footer(
-        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv, decode.csv, mixing.csv, half.csv and charts of them. What was published, and the rivals, are marked as\n"
+        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv, decode.csv, mixing.csv, half.csv and charts of them. What was published, and "
+        "the rivals, are marked as\n"
         "baselines: they stay as they are.\n"
         "Example: apertura stability -o stability");
     command.add_option("-o", a->out, "the folder for all of it; made where it is not there")->required()->type_name("DIR");
     command.add_option("--models", a->models, "of " + modelNames() + " [all]")->delimiter(',')->type_name("A,B,...");
-    command.add_option("--inputs", a->inputs, "hostile inputs a model on this processor [1000000]")->check(CLI::Range(1.0, 1e12))->type_name("N");
+    command.add_option("--inputs", a->inputs, "hostile inputs a model on this processor [1000000]")
+        ->check(CLI::Range(1.0, 1e12))
+        ->type_name("N");
     command.add_option("--device-inputs", a->deviceInputs, "and on the device [20000]")->check(CLI::Range(1.0, 1e10))->type_name("N");
-    command.add_option("--receivers", a->receivers, "points of each scene whose sky a light crosses [12]")->check(CLI::Range(1, 100000))->type_name("N");
+    command.add_option("--receivers", a->receivers, "points of each scene whose sky a light crosses [12]")
+        ->check(CLI::Range(1, 100000))
+        ->type_name("N");
     command.add_option("--seed", a->seed, "[1]")->type_name("S");
     command.callback([a] { run(*a); });
 }

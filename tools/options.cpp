@@ -53,8 +53,7 @@ std::string printable(std::string text) {
 
 void refuseToReplaceInput(const std::string& in, const std::string& out) {
     std::error_code ignored;
-    if (std::filesystem::equivalent(in, out, ignored))
-        throw CLI::ValidationError("the output " + out + " is the input itself");
+    if (std::filesystem::equivalent(in, out, ignored)) throw CLI::ValidationError("the output " + out + " is the input itself");
 }
 
 std::vector<double> parseNumbers(const std::string& text, char separator) {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "bake/fit/choose.h"
-#include "bake/sampling/surface_points.h"
 #include "bake/sampling/progress.h"
+#include "bake/sampling/surface_points.h"
 #include "runtime/asset/error.h"
 
 namespace apertura {
@@ -17,40 +17,41 @@ constexpr int kLambdaPoints = 400;  // over the surface, on which the Lagrange m
 
 }  // namespace
 
-double lambdaAt(const OcclusionSource& source, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options, double tolerance,
-               const Progress& progress) {
+double lambdaAt(const OcclusionSource& source, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options,
+                double tolerance, const Progress& progress) {
     std::vector<CandidateErrors> errors(points.size());
-    samplePoints(source, points, tools.lattice, options.seed, options.threads, progress, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
-        errors[i] = tryCandidates(tools, samples, frame);
-    });
+    samplePoints(source, points, tools.lattice, options.seed, options.threads, progress,
+                 [&](size_t i, const Samples& samples, const glm::mat3& frame) { errors[i] = tryCandidates(tools, samples, frame); });
     return lambdaFor(errors, tolerance);
 }
 
-std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points,
-                                   const BakeOptions& options, const Progress& progress) {
+std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options,
+                                   const Progress& progress) {
     const Recipe& recipe = recipeNamed(options.recipe);
     if (recipe.model == MODEL_AUTO && !(options.lambda > 0)) throw Error("the recipe auto needs a lambda: lambdaAt finds it");
     const FitTools tools(options.rays, useOf(recipe));
     const FitOptions fitOptions{options.tolerance, options.lambda};
     std::vector<BakedPoint> out(points.size());
-    samplePoints(source, points, tools.lattice, options.seed, options.threads, progress, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
-        out[i] = makePoint(recipe, tools, samples, frame, fitOptions);
-    });
+    samplePoints(
+        source, points, tools.lattice, options.seed, options.threads, progress,
+        [&](size_t i, const Samples& samples, const glm::mat3& frame) { out[i] = makePoint(recipe, tools, samples, frame, fitOptions); });
     return out;
 }
 
-BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options,
-                             const Progress& progress, MeshIssues* issues) {
+BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress,
+                             MeshIssues* issues) {
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
-    const Progress placing = part(progress, 0, 0.1), choosing = part(progress, 0.1, 0.2), baking = part(progress, options.recipe == "auto" ? 0.2 : 0.1, 1);
+    const Progress placing = part(progress, 0, 0.1), choosing = part(progress, 0.1, 0.2),
+                   baking = part(progress, options.recipe == "auto" ? 0.2 : 0.1, 1);
     const VertexPoints vertices = placeVertices(scene, tracer, placing, issues);
     const std::vector<SurfacePoint>& points = vertices.points;
     const RayOcclusion source(tracer, options.maxDistance);
     BakeOptions bakeOptions = options;
     if (options.recipe == "auto") {
         std::vector<SurfacePoint> spread;
-        for (const SurfaceSample& p : sampleSurface(scene, std::min(kLambdaPoints, int(points.size())), options.seed)) spread.push_back(p.at);
+        for (const SurfaceSample& p : sampleSurface(scene, std::min(kLambdaPoints, int(points.size())), options.seed))
+            spread.push_back(p.at);
         bakeOptions.lambda = lambdaAt(source, spread, FitTools(options.rays, FitTools::Use::Choice), options, options.tolerance, choosing);
     }
     const std::vector<BakedPoint> baked = bakePoints(source, points, bakeOptions, baking);

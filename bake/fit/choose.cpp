@@ -35,12 +35,14 @@ double probeError(const FitTools& tools, const FitTools::Probes& probes, const S
 
 std::vector<float> visibleTo(const SampleLattice& lattice, const Model& model, const BakedPoint& point) {
     const vec3 normal(0, 0, 1);
-    const Receiver receiver = toReceiver(point.visibility, toParams(model, point.visibility, model.isStored() ? &point.params : nullptr, normal), normal);
+    const Receiver receiver = toReceiver(point.visibility,
+                                         toParams(model, point.visibility, model.isStored() ? &point.params : nullptr, normal), normal);
     std::vector<float> out;
     const float s = 1e-3f;
     for (const vec3& w : lattice.directions()) {
         const CapLight light = capLight(w, s);
-        out.push_back(irradianceThrough(model.id, receiver, light, LIGHTS_SUN) / std::max(unoccludedIrradiance(normal, light, LIGHTS_SUN), 1e-12f));
+        out.push_back(irradianceThrough(model.id, receiver, light, LIGHTS_SUN)
+                      / std::max(unoccludedIrradiance(normal, light, LIGHTS_SUN), 1e-12f));
     }
     return out;
 }
@@ -101,7 +103,8 @@ double lambdaFor(std::span<const CandidateErrors> points, double tolerance) {
         double sum = 0;
         for (const CandidateErrors& errors : points) {
             bool reached;
-            const double e = errors[pick(tolerance, lambda, [&](size_t i) { return errors[i]; }, reached)];
+            const double e = errors[pick(
+                tolerance, lambda, [&](size_t i) { return errors[i]; }, reached)];
             sum += e * e;
         }
         return std::sqrt(sum / double(points.size()));

@@ -10,7 +10,7 @@
 namespace apertura {
 namespace {
 
-constexpr float kCapSharpness = 120;   // of the soft-edged stand-ins that caps are fitted as
+constexpr float kCapSharpness = 120;  // of the soft-edged stand-ins that caps are fitted as
 constexpr int kLongSteps = 40;        // where there is one start and its way is long
 constexpr float kAmbientWeight = 60;  // keeps the sky's light right to about 0.003
 

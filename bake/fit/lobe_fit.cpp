@@ -20,7 +20,7 @@ namespace {
 template <int M>
 constexpr float kSlopeLimit = M == 4 ? 500 : 60;
 constexpr float kFirstSharpness = 30;  // of lobes and caps on their way to a hard edge
-constexpr double kSlopeCost = 1e-10;  // keeps lobes that nothing in the samples bounds from running away
+constexpr double kSlopeCost = 1e-10;   // keeps lobes that nothing in the samples bounds from running away
 
 // A column a lobe: its offset, then its slope or more.
 template <typename T, int M, int K>
@@ -312,8 +312,7 @@ LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFi
         }
         tryStarts<K, Hard, 0>(samples, complement, options, starts, best);
         if (!options.pairs) continue;
-        if constexpr (Hard && K >= 3)
-            tryStarts<K, Hard, 1>(samples, complement, options, pairedStarts<K, 1>(samples, complement), best);
+        if constexpr (Hard && K >= 3) tryStarts<K, Hard, 1>(samples, complement, options, pairedStarts<K, 1>(samples, complement), best);
         if constexpr (Hard && K >= 4) tryStarts<K, Hard, 2>(samples, complement, options, pairedStarts<K, 2>(samples, complement), best);
     }
     LobeFit out;
@@ -334,8 +333,7 @@ LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFi
 
 }  // namespace
 
-CapDictionary::CapDictionary(const SampleLattice& lattice, int axes, int heights)
-    : words_(lattice.wordWeight.size()) {
+CapDictionary::CapDictionary(const SampleLattice& lattice, int axes, int heights) : words_(lattice.wordWeight.size()) {
     for (float weight : lattice.wordWeight) wordWeight_.push_back(uint32_t(weight * 4096));
     // Everything, for lobes that have nothing left to do.
     caps_.push_back({{0, 0, 1}, -1.2f});
@@ -423,7 +421,8 @@ std::vector<std::vector<int>> CapDictionary::nearest(const std::vector<uint64_t>
 #endif
             for (size_t c = 0; c < caps_.size(); ++c) {
                 if (grown.size() == size_t(wanted) && scores[c] <= grown.back().score) continue;
-                const auto at = std::upper_bound(grown.begin(), grown.end(), scores[c], [](int64_t x, const Grown& g) { return x > g.score; });
+                const auto at = std::upper_bound(grown.begin(), grown.end(), scores[c],
+                                                 [](int64_t x, const Grown& g) { return x > g.score; });
                 grown.insert(at, {scores[c], from, c});
                 if (grown.size() > size_t(wanted)) grown.pop_back();
             }

@@ -12,20 +12,20 @@ struct LobeFit {
     glm::vec4 lobes[4]{};  // slope, offset, about +Z as the lattice
     int count = 0;
     bool complement = false;
-    int pairs = 0;         // 0, 1 or 2: of the first lobes, two by two, the factor is what a pair leaves of 1
-    double error = 0;      // mean square of cos (V - samples) over patches, and as much again over groups of them,
-                           // in units of cos2's mean: 0 .. 1 + groupWeight
+    int pairs = 0;     // 0, 1 or 2: of the first lobes, two by two, the factor is what a pair leaves of 1
+    double error = 0;  // mean square of cos (V - samples) over patches, and as much again over groups of them,
+                       // in units of cos2's mean: 0 .. 1 + groupWeight
 };
 
 struct LobeFitOptions {
-    int lobes = 1;          // 1 .. 4
-    float sharpness = 0;     // > 0: the length of every slope; 0: free, of one or two lobes only
-    bool pairs = false;     // of three or four lobes with a sharpness: LobeFit::pairs may be other than 0
+    int lobes = 1;            // 1 .. 4
+    float sharpness = 0;      // > 0: the length of every slope; 0: free, of one or two lobes only
+    bool pairs = false;       // of three or four lobes with a sharpness: LobeFit::pairs may be other than 0
     float ambientWeight = 0;  // of the squared error of the irradiance from an even sky
-    int steps = 8;          // of Levenberg–Marquardt, at most,
-    int firstSteps = 4;     // and from each start; the best goes on to the end
-    float groupWeight = 1;  // of the squared error over groups of patches, as of larger lights, against that over patches
-    int starts = 2;         // of the hard-edged arrangements tried first
+    int steps = 8;            // of Levenberg–Marquardt, at most,
+    int firstSteps = 4;       // and from each start; the best goes on to the end
+    float groupWeight = 1;    // of the squared error over groups of patches, as of larger lights, against that over patches
+    int starts = 2;           // of the hard-edged arrangements tried first
 };
 
 // Caps of many axes and heights as masks over a lattice: where fits start from.

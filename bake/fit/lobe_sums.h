@@ -11,7 +11,7 @@ struct PatchedSamples {
     int patchSize;            // samples a patch
     int group;                // consecutive patches that make a large one, > 0
     float groupWeight;        // of the squared error of a large patch, by area, against that of a patch
-    bool complement;             // the product is what is blocked
+    bool complement;          // the product is what is blocked
     static constexpr int kMaxBlocks = 64;
 };
 
@@ -40,10 +40,10 @@ void sumLobes(const PatchedSamples& samples, const float* parameters, const floa
 }
 
 // Those that there are: with APERTURA_INSTANCE(K, M, Hard, L) defined.
-#define APERTURA_INSTANCES                                                                                  \
-    APERTURA_INSTANCE(1, 4, true, 0) APERTURA_INSTANCE(2, 4, true, 0) APERTURA_INSTANCE(3, 4, true, 0)      \
-    APERTURA_INSTANCE(3, 4, true, 1) APERTURA_INSTANCE(4, 4, true, 0) APERTURA_INSTANCE(4, 4, true, 1)      \
-    APERTURA_INSTANCE(4, 4, true, 2) APERTURA_INSTANCE(1, 4, false, 0) APERTURA_INSTANCE(2, 4, false, 0)    \
-    APERTURA_INSTANCE(1, 9, false, 0)
+#define APERTURA_INSTANCES                                                                                                              \
+    APERTURA_INSTANCE(1, 4, true, 0)                                                                                                    \
+    APERTURA_INSTANCE(2, 4, true, 0) APERTURA_INSTANCE(3, 4, true, 0) APERTURA_INSTANCE(3, 4, true, 1) APERTURA_INSTANCE(4, 4, true, 0) \
+        APERTURA_INSTANCE(4, 4, true, 1) APERTURA_INSTANCE(4, 4, true, 2) APERTURA_INSTANCE(1, 4, false, 0)                             \
+            APERTURA_INSTANCE(2, 4, false, 0) APERTURA_INSTANCE(1, 9, false, 0)
 
 }  // namespace apertura

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
 #include "bake/fit/choose.h"
+#include "bake/sampling/directions.h"
 
 namespace apertura {
 
@@ -29,16 +29,19 @@ FuzzInput fuzzInput(const Model& model, uint32_t seed, uint64_t index) {
     FuzzInput out;
     const vec3 normal = unit() < 0.8 ? direction() : axis(direction());
     const vec3 light = axis(normal);
-    const float sine = unit() < 0.6 ? float(std::pow(10, -5 * unit())) : among({0.0f, 1e-30f, 1e-8f, 1e-4f, 0.00465f, 0.0105f, 0.0524f, 0.1737f, 0.7071f, 1.0f});
+    const float sine = unit() < 0.6 ? float(std::pow(10, -5 * unit()))
+                                    : among({0.0f, 1e-30f, 1e-8f, 1e-4f, 0.00465f, 0.0105f, 0.0524f, 0.1737f, 0.7071f, 1.0f});
     auto params = [&] {
         const float pi = std::numbers::pi_v<float>;
-        const float area = unit() < 0.6 ? float(2 * std::numbers::pi * unit()) : among({0.0f, 1e-38f, 1e-9f, 1e-4f, pi, 2 * pi, 6.2831860f, 7.0f, 4 * pi, 1e30f, -1.0f});
+        const float area = unit() < 0.6 ? float(2 * std::numbers::pi * unit())
+                                        : among({0.0f, 1e-38f, 1e-9f, 1e-4f, pi, 2 * pi, 6.2831860f, 7.0f, 4 * pi, 1e30f, -1.0f});
         const float share = unit() < 0.5 ? float(unit()) : among({0.0f, 1.0f, 1.0001f, 1e-6f, 10.0f});
         const Visibility v{axis(unit() < 0.5 ? normal : light) * std::clamp(area * (1 - area / (4 * pi)) * share, -1e30f, 1e30f), area};
         const Model* stored = &model;
         if (model.kind == ModelKind::Choice) stored = autoModels()[size_t(unit() * double(autoModels().size()))];
         std::vector<float> numbers(size_t(storedNumbers(*stored)) + 1);
-        for (float& n : numbers) n = unit() < 0.7 ? float(2 * unit() - 1) : among({-1.0f, 1.0f, 0.0f, -0.0f, 1 / 127.0f, -1 / 127.0f, 1e-20f});
+        for (float& n : numbers)
+            n = unit() < 0.7 ? float(2 * unit() - 1) : among({-1.0f, 1.0f, 0.0f, -0.0f, 1 / 127.0f, -1 / 127.0f, 1e-20f});
         ModelParams raw = unpackParams(*stored, numbers);
         if (model.kind == ModelKind::Choice) setChoice(raw, *stored, false);
         const Visibility possible = clampToPossible(v);
@@ -65,12 +68,16 @@ FuzzCount countFuzz(const Model& model, uint32_t seed, uint64_t inputs, const Fr
         const CapLight light = capLight(vec3(input.light), input.light.w);
         ++count.inputs;
         count.notFinite += !std::isfinite(e);
-        count.outside += input.sound && (e < -1e-6f * light.area || e > 1.006f * unoccludedIrradiance(input.receiver.normal, light, LIGHTS_ANY) + kAboveOne * light.area);
+        count.outside += input.sound
+                      && (e < -1e-6f * light.area
+                          || e > 1.006f * unoccludedIrradiance(input.receiver.normal, light, LIGHTS_ANY) + kAboveOne * light.area);
     };
     auto onProcessor = [&](uint64_t b) {
         for (uint64_t i = b * batch; i < std::min(inputs, (b + 1) * batch); ++i) {
             const FuzzInput input = fuzzInput(model, seed, i);
-            judge(counts[b], irradianceThrough(model.id, input.receiver, capLight(vec3(input.light), input.light.w), lightClassOf(input.light.w)), input);
+            judge(counts[b],
+                  irradianceThrough(model.id, input.receiver, capLight(vec3(input.light), input.light.w), lightClassOf(input.light.w)),
+                  input);
         }
     };
     auto onDevice = [&](uint64_t b) {

@@ -20,7 +20,7 @@ namespace {
 
 using std::numbers::pi;
 constexpr double kLeakCosine = 0.1;  // of a light to the normal, from which on what it leaks counts
-constexpr double kPathRadius = 5;  // degrees, of the light that PathRow speaks of
+constexpr double kPathRadius = 5;    // degrees, of the light that PathRow speaks of
 
 // E / (L pi sin^2 r) as the model has it.
 float modelValue(int model, const Receiver& receiver, const CapLight& light) {
@@ -30,11 +30,12 @@ float modelValue(int model, const Receiver& receiver, const CapLight& light) {
 // The receivers of a scene, their lights, and the truth for each radius.
 struct LitReceivers {
     std::vector<SurfaceSample> points;
-    std::vector<std::vector<glm::vec3>> lights;               // a receiver
+    std::vector<std::vector<glm::vec3>> lights;                // a receiver
     std::vector<std::vector<std::vector<TruthSample>>> truth;  // [receiver][radius][light]
 };
 
-LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options, const Progress& progress) {
+LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options,
+                               const Progress& progress) {
     LitReceivers lit;
     lit.points = sampleSurface(scene, options.receivers, options.seed, region.region);
     const size_t n = lit.points.size();
@@ -48,8 +49,8 @@ LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region,
         for (size_t r = 0; r < options.lightRadii.size(); ++r) {
             std::vector<TruthSample> row;
             for (size_t k = 0; k < lit.lights[i].size(); ++k)
-                row.push_back(traceLight(tracer, point, lit.lights[i][k], options.lightRadii[r] * pi / 180,
-                                         options.lightSamples, 2 * pi * hashUnit(options.seed, i, 100 + k)));
+                row.push_back(traceLight(tracer, point, lit.lights[i][k], options.lightRadii[r] * pi / 180, options.lightSamples,
+                                         2 * pi * hashUnit(options.seed, i, 100 + k)));
             lit.truth[i].push_back(std::move(row));
         }
         counter.add(1);
@@ -91,7 +92,8 @@ void addRows(const LitReceivers& lit, const ModelReceivers& made, const std::vec
                 const TruthSample& sample = lit.truth[i][r][k];
                 const CapLight light = capLight(lit.lights[i][k], float(std::sin(row.lightRadius * pi / 180)));
                 double e = -sample.mean();
-                const bool blocked = sample.first <= 0 && sample.second <= 0 && glm::dot(lit.lights[i][k], lit.points[i].at.normal) > kLeakCosine;
+                const bool blocked = sample.first <= 0 && sample.second <= 0
+                                  && glm::dot(lit.lights[i][k], lit.points[i].at.normal) > kLeakCosine;
                 for (const auto& [weight, receiver] : made.receivers[i]) e += weight * modelValue(made.model->id, receiver, light);
                 if (blocked) leaks.push_back(e);
                 here += e * e;
@@ -126,7 +128,9 @@ std::vector<const Model*> modelsOf(const Recipe& recipe, const MeasureOptions& o
     std::vector<const Model*> out;
     if (recipe.source == "transfer") return out;  // measured by where it leads: see comparePaths
     for (const Model& model : models()) {
-        const bool own = recipe.model >= 0 ? model.id == recipe.model : recipe.only >= 0 ? model.id == recipe.only : model.fromVisibility != nullptr;
+        const bool own = recipe.model >= 0 ? model.id == recipe.model
+                       : recipe.only >= 0  ? model.id == recipe.only
+                                           : model.fromVisibility != nullptr;
         if (own && asked(options, model)) out.push_back(&model);
     }
     return out;
@@ -153,8 +157,8 @@ std::vector<Receiver> receiversFrom(const LitReceivers& lit, const std::vector<V
 
 Aperture apertureOf(const Receiver& receiver) { return makeAperture(vec3(receiver.params[0]), receiver.params[0].w); }
 
-PathRow comparePath(const LitReceivers& lit, const std::string& stage, const std::string& source,
-                    const std::vector<Receiver>& reference, const std::vector<Receiver>& changed) {
+PathRow comparePath(const LitReceivers& lit, const std::string& stage, const std::string& source, const std::vector<Receiver>& reference,
+                    const std::vector<Receiver>& changed) {
     PathRow row{stage, source};
     double lights = 0, axes = 0;
     for (size_t i = 0; i < reference.size(); ++i) {
@@ -201,13 +205,14 @@ Receiver apertureThroughBytes(Receiver receiver) {
     return renormalised(MODEL_APERTURE, receiver);
 }
 
-std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, const LitReceivers& lit,
-                                  const std::vector<Visibility>& sh, const std::vector<Visibility>& rays,
-                                  const std::vector<Visibility>& transfer, const BakeOptions& bake, const Progress& progress) {
+std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, const LitReceivers& lit, const std::vector<Visibility>& sh,
+                                  const std::vector<Visibility>& rays, const std::vector<Visibility>& transfer, const BakeOptions& bake,
+                                  const Progress& progress) {
     const std::vector<Receiver> reference = receiversFrom(lit, sh);
     std::vector<PathRow> out;
     out.push_back(comparePath(lit, "at the receiver, unquantised: the same by construction", "rays", reference, receiversFrom(lit, rays)));
-    out.push_back(comparePath(lit, "cosine-weighted transfer, converted, instead of visibility", "sh", reference, receiversFrom(lit, transfer)));
+    out.push_back(
+        comparePath(lit, "cosine-weighted transfer, converted, instead of visibility", "sh", reference, receiversFrom(lit, transfer)));
     auto through = [&](auto&& change) {
         std::vector<Visibility> changed;
         for (const Visibility& v : sh) changed.push_back(change(v));
@@ -238,7 +243,8 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
                 sum.direction += w[c] * v.direction;
                 mix += w[c] * toParams(apertureModel(), v, nullptr, n)[0];
             }
-            receivers.push_back(coefficients ? toReceiver(apertureModel(), sum, n) : renormalised(MODEL_APERTURE, toReceiver(sum, {mix}, n)));
+            receivers.push_back(coefficients ? toReceiver(apertureModel(), sum, n)
+                                             : renormalised(MODEL_APERTURE, toReceiver(sum, {mix}, n)));
         }
         return receivers;
     };
@@ -273,15 +279,18 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
         if (auto models = modelsOf(recipe, options); !models.empty()) wanted.emplace_back(&recipe, models);
     const FitTools tools(options.rays);
     FitOptions fitOptions{options.tolerance};
-    if (asked(options, models()[MODEL_AUTO])) fitOptions.lambda = lambdaAt(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7));
+    if (asked(options, models()[MODEL_AUTO]))
+        fitOptions.lambda = lambdaAt(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7));
     std::vector<std::vector<BakedPoint>> baked(wanted.size(), std::vector<BakedPoint>(points.size()));
     std::vector<Visibility> sh(points.size()), rays(points.size()), transfer(points.size());
-    samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.7, 0.95), [&](size_t i, const Samples& samples, const glm::mat3& frame) {
-        for (size_t k = 0; k < wanted.size(); ++k) baked[k][i] = makePoint(*wanted[k].first, tools, samples, frame, fitOptions);
-        sh[i] = makePoint(recipeNamed("sh"), tools, samples, frame, fitOptions).visibility;
-        rays[i] = makePoint(recipeNamed("rays"), tools, samples, frame, fitOptions).visibility;
-        transfer[i] = makePoint(recipeNamed("transfer"), tools, samples, frame, fitOptions).visibility;
-    });
+    samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.7, 0.95),
+                 [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+                     for (size_t k = 0; k < wanted.size(); ++k)
+                         baked[k][i] = makePoint(*wanted[k].first, tools, samples, frame, fitOptions);
+                     sh[i] = makePoint(recipeNamed("sh"), tools, samples, frame, fitOptions).visibility;
+                     rays[i] = makePoint(recipeNamed("rays"), tools, samples, frame, fitOptions).visibility;
+                     transfer[i] = makePoint(recipeNamed("transfer"), tools, samples, frame, fitOptions).visibility;
+                 });
 
     Measurement out;
     out.scene = scene.name;
@@ -295,7 +304,8 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
             for (size_t i = 0; i < points.size(); ++i) {
                 const BakedPoint& p = baked[k][i];
                 const ModelParams* stored = recipe.model >= 0 ? &p.params : nullptr;
-                made.receivers.push_back({{1.0f, toReceiver(p.visibility, toParams(*model, p.visibility, stored, points[i].normal), points[i].normal)}});
+                made.receivers.push_back(
+                    {{1.0f, toReceiver(p.visibility, toParams(*model, p.visibility, stored, points[i].normal), points[i].normal)}});
                 if (model->id != MODEL_AUTO) continue;
                 const Model& own = chosenModel(*model, p.params);
                 chosen += own.numbers;
@@ -320,7 +330,8 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
 Measurement measureAsset(const Asset& asset, const MeasureOptions& options, const Progress& progress) {
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(asset.scene, part(progress, 0, 0));
-    const LitReceivers lit = traceLitReceivers(asset.scene, measuredRegion(asset.info.scene, asset.scene), tracer, options, part(progress, 0, 0.9));
+    const LitReceivers lit = traceLitReceivers(asset.scene, measuredRegion(asset.info.scene, asset.scene), tracer, options,
+                                               part(progress, 0, 0.9));
     std::vector<SurfacePoint> points;
     for (const SurfaceSample& p : lit.points) points.push_back(p.at);
     BakeOptions bake;

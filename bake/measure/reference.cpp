@@ -36,8 +36,8 @@ public:
     }
 
 private:
-    glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::dvec3& origin, const glm::vec3& normal,
-                        uint64_t sample, size_t index) {
+    glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample,
+                        size_t index) {
         const glm::mat3 frame = frameFromZ(cap.axis, 2 * pi * hashUnit(options_.seed, sample, 2 + index));
         rays_.clear();
         reach_.clear();
@@ -89,8 +89,7 @@ private:
 
 }  // namespace
 
-Picture traceReference(const Tracer& tracer, const View& view, const ReferenceOptions& options,
-                       const Progress& progress) {
+Picture traceReference(const Tracer& tracer, const View& view, const ReferenceOptions& options, const Progress& progress) {
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
     const int width = 2 * view.width, height = 2 * view.height;

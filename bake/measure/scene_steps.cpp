@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "bake/fit/choose.h"
 #include "bake/fit/fit.h"
+#include "bake/measure/truth.h"
 #include "bake/sampling/directions.h"
 #include "bake/sampling/occlusion.h"
-#include "bake/fit/choose.h"
-#include "bake/measure/truth.h"
 
 namespace apertura {
 
@@ -19,21 +19,26 @@ namespace {
 
 // The receivers of a scene as models have them, one after another: use(point, frame, model, receiver).
 template <typename Use>
-void forReceivers(const Scene& scene, const std::vector<const Model*>& asked, int receivers, int rays, uint32_t seed, const Progress& progress, Use&& use) {
+void forReceivers(const Scene& scene, const std::vector<const Model*>& asked, int receivers, int rays, uint32_t seed,
+                  const Progress& progress, Use&& use) {
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
     for (const SurfaceSample& p : sampleReceivers(scene, receivers, seed)) points.push_back(p.at);
     const FitTools tools(rays);
     FitOptions fitOptions;
     fitOptions.lambda = 1 / (fitOptions.tolerance * fitOptions.tolerance);
-    samplePoints(RayOcclusion(tracer), points, tools.lattice, seed, 0, progress, [&](size_t i, const Samples& samples, const glm::mat3& frame) {
-        for (size_t m = 0; m < asked.size(); ++m) {
-            const Model& model = *asked[m];
-            const Recipe& recipe = recipeFor(model);
-            const BakedPoint point = makePoint(recipe, tools, samples, frame, fitOptions);
-            use(i, frame, m, toReceiver(point.visibility, toParams(model, point.visibility, recipe.model >= 0 ? &point.params : nullptr, points[i].normal), points[i].normal));
-        }
-    });
+    samplePoints(RayOcclusion(tracer), points, tools.lattice, seed, 0, progress,
+                 [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+                     for (size_t m = 0; m < asked.size(); ++m) {
+                         const Model& model = *asked[m];
+                         const Recipe& recipe = recipeFor(model);
+                         const BakedPoint point = makePoint(recipe, tools, samples, frame, fitOptions);
+                         use(i, frame, m,
+                             toReceiver(point.visibility,
+                                        toParams(model, point.visibility, recipe.model >= 0 ? &point.params : nullptr, points[i].normal),
+                                        points[i].normal));
+                     }
+                 });
 }
 
 // Calls use(light, first) for two arcs of lights of a radius, degrees, across the sky above `frame`, a step at a time.
@@ -50,8 +55,8 @@ void forArcs(const glm::mat3& frame, uint32_t seed, size_t index, double degrees
 
 }  // namespace
 
-std::vector<SceneSteps> measureSceneSteps(const Scene& scene, const std::vector<const Model*>& asked, int receivers, int rays, uint32_t seed,
-                                          const std::vector<double>& radii, const Progress& progress) {
+std::vector<SceneSteps> measureSceneSteps(const Scene& scene, const std::vector<const Model*>& asked, int receivers, int rays,
+                                          uint32_t seed, const std::vector<double>& radii, const Progress& progress) {
     std::vector<std::vector<double>> largest(size_t(receivers), std::vector<double>(asked.size() * radii.size()));
     forReceivers(scene, asked, receivers, rays, seed, progress, [&](size_t i, const glm::mat3& frame, size_t m, const Receiver& receiver) {
         for (size_t r = 0; r < radii.size(); ++r) {
@@ -60,7 +65,8 @@ std::vector<SceneSteps> measureSceneSteps(const Scene& scene, const std::vector<
             forArcs(frame, seed, i, radii[r], step, [&](const CapLight& light, bool first) {
                 const double value = double(irradianceThrough(asked[m]->id, receiver, light, lightClassOf(light.sinRadius))) / light.area;
                 double& most = largest[i][m * radii.size() + r];
-                if (!first) most = std::isfinite(value) ? std::max(most, std::abs(value - before) / stepBound(step, radii[r] * kDegree)) : 1e30;
+                if (!first)
+                    most = std::isfinite(value) ? std::max(most, std::abs(value - before) / stepBound(step, radii[r] * kDegree)) : 1e30;
                 before = value;
             });
         }
@@ -75,19 +81,20 @@ std::vector<SceneSteps> measureSceneSteps(const Scene& scene, const std::vector<
     return out;
 }
 
-std::vector<HalfError> measureHalf(const std::vector<Scene>& scenes, const std::vector<const Model*>& asked, int receivers, int rays, uint32_t seed,
-                                   const std::vector<double>& radii, const FrameEvaluator& half) {
+std::vector<HalfError> measureHalf(const std::vector<Scene>& scenes, const std::vector<const Model*>& asked, int receivers, int rays,
+                                   uint32_t seed, const std::vector<double>& radii, const FrameEvaluator& half) {
     const size_t places = size_t(receivers), kinds = asked.size() * radii.size();
     std::vector<std::vector<Evaluation>> lights(scenes.size() * places * kinds);
     for (size_t s = 0; s < scenes.size(); ++s)
-        forReceivers(scenes[s], asked, receivers, rays, seed, {}, [&](size_t i, const glm::mat3& frame, size_t m, const Receiver& receiver) {
-            for (size_t r = 0; r < radii.size(); ++r)
-                forArcs(frame, seed, i, radii[r], 2 * kDegree, [&](const CapLight& light, bool) {
-                    Evaluation e{vec4(receiver.normal, 0), vec4(light.axis, light.sinRadius), receiver.visibility, {}};
-                    std::copy_n(receiver.params, MAX_SLOTS, e.params);
-                    lights[(s * places + i) * kinds + m * radii.size() + r].push_back(e);
-                });
-        });
+        forReceivers(scenes[s], asked, receivers, rays, seed, {},
+                     [&](size_t i, const glm::mat3& frame, size_t m, const Receiver& receiver) {
+                         for (size_t r = 0; r < radii.size(); ++r)
+                             forArcs(frame, seed, i, radii[r], 2 * kDegree, [&](const CapLight& light, bool) {
+                                 Evaluation e{vec4(receiver.normal, 0), vec4(light.axis, light.sinRadius), receiver.visibility, {}};
+                                 std::copy_n(receiver.params, MAX_SLOTS, e.params);
+                                 lights[(s * places + i) * kinds + m * radii.size() + r].push_back(e);
+                             });
+                     });
     std::vector<HalfError> out;
     for (size_t kind = 0; kind < kinds; ++kind) {
         const Model& model = *asked[kind / radii.size()];

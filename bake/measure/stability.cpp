@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
 #include "bake/fit/choose.h"
+#include "bake/sampling/directions.h"
 #include "sh/cap_reference.h"
 
 namespace apertura {
@@ -106,7 +106,8 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
         } else {
             params = toParams(model, v, nullptr, normal);
             // What a bake sees of the opening lies above the horizon.
-            if (!model.baseline && f.apertureRadius > 0) seen.direction = vec3(vectorIrradiance(std::array{ExactCap{f.aperture, f.apertureRadius}, ExactCap{kUp, pi / 2}}));
+            if (!model.baseline && f.apertureRadius > 0)
+                seen.direction = vec3(vectorIrradiance(std::array{ExactCap{f.aperture, f.apertureRadius}, ExactCap{kUp, pi / 2}}));
         }
         // As mixing leaves it; models that are not mixed have axes from a decoder, which makes them unit.
         if (model.mixes && f.axisLength != 1)
@@ -127,7 +128,8 @@ StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const Fra
     std::vector<int> place;
     for (size_t i = 0; i < sweep.frames.size(); ++i) {
         const SweepFrame& f = sweep.frames[i];
-        Evaluation e{vec4(swept.receivers[i].normal, 0), vec4(vec3(f.light), float(std::sin(f.lightRadius))), swept.receivers[i].visibility, {}};
+        Evaluation e{
+            vec4(swept.receivers[i].normal, 0), vec4(vec3(f.light), float(std::sin(f.lightRadius))), swept.receivers[i].visibility, {}};
         std::copy_n(swept.receivers[i].params, MAX_SLOTS, e.params);
         inputs[lightClassOf(e.light.w)].push_back(e);
     }
@@ -147,7 +149,8 @@ StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const Fra
             ++row.notFinite;
             continue;
         }
-        if (device) row.onDevice = std::max(row.onDevice, std::abs(double(found[lightClass][at]) - raw) / std::max(double(light.area), 1e-12));
+        if (device)
+            row.onDevice = std::max(row.onDevice, std::abs(double(found[lightClass][at]) - raw) / std::max(double(light.area), 1e-12));
         const double unblocked = unoccludedIrradiance(vec3(kUp), light, LIGHTS_ANY) / std::max(light.area, 1e-30f);
         row.outside += value < -1e-6 || value > 1.006 * unblocked + kAboveOne;
         const double truth = exactThroughCap(f);
@@ -176,7 +179,8 @@ std::vector<FailurePoint> failureMap(const Model& model, const FitTools& tools) 
                 Sweep sweep{"", "", {}};
                 for (int turn = 0; turn < 4; ++turn) {
                     const double angle = std::min((light + aperture) * kDegree * d / 20.0, pi);
-                    const dvec3 u = away(axis, pi / 2), v = glm::cross(axis, u), side = std::cos(turn * pi / 2) * u + std::sin(turn * pi / 2) * v;
+                    const dvec3 u = away(axis, pi / 2), v = glm::cross(axis, u),
+                                side = std::cos(turn * pi / 2) * u + std::sin(turn * pi / 2) * v;
                     sweep.frames.push_back({axis, aperture * kDegree, std::cos(angle) * axis + std::sin(angle) * side, light * kDegree});
                 }
                 const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);

@@ -19,7 +19,8 @@ double radiusOf(double open) { return 2 * std::asin(std::sqrt(std::clamp(open, 0
 DecodeError worstOf(int bits, double open, double capness) {
     const PackingError bound = packingError(bits);
     const double area = 2 * pi * open, offAxis = capness * (1 - area / (4 * pi));  // |D / A|
-    DecodeError out{bits, open, capness, 0, std::asin(std::min(bound.direction / std::max(offAxis, 1e-9), 1.0)) / kDegree, 0, bound.radius / kDegree};
+    DecodeError out{
+        bits, open, capness, 0, std::asin(std::min(bound.direction / std::max(offAxis, 1e-9), 1.0)) / kDegree, 0, bound.radius / kDegree};
     for (int i = 0; i <= 400; ++i) {  // areas about it: what one rounds to is chance
         const double near = std::min(open * (0.9 + 0.2 * i / 400), 1.0);
         const Visibility v{{}, float(2 * pi * near)};
@@ -42,7 +43,8 @@ DecodeError worstOf(int bits, double open, double capness) {
 struct Seen {
     double tilt, turn, radius;
     Visibility visibility() const {
-        const dvec3 axis(std::sin(tilt * kDegree) * std::cos(turn * kDegree), std::sin(tilt * kDegree) * std::sin(turn * kDegree), std::cos(tilt * kDegree));
+        const dvec3 axis(std::sin(tilt * kDegree) * std::cos(turn * kDegree), std::sin(tilt * kDegree) * std::sin(turn * kDegree),
+                         std::cos(tilt * kDegree));
         const double half = std::sin(radius * kDegree / 2), area = 4 * pi * half * half;
         return {vec3(axis * area * (1 - area / (4 * pi))), float(area)};
     }
@@ -52,10 +54,14 @@ struct Pair {
     Seen from, to;
 };
 constexpr Pair kPairs[] = {
-    {"closed and open", {0, 0, 0}, {0, 0, 90}},        {"closed and a window", {0, 0, 0}, {40, 0, 20}},
-    {"open and a window", {0, 0, 90}, {40, 0, 20}},    {"windows opposite each other", {60, 0, 25}, {60, 180, 25}},
-    {"and low over the horizon", {85, 0, 20}, {85, 180, 20}}, {"wide and narrow, one axis", {20, 0, 10}, {20, 0, 60}},
-    {"axes 90 degrees apart", {45, 0, 40}, {45, 180, 40}},    {"axes 20 degrees apart", {30, 0, 30}, {50, 0, 30}},
+    {"closed and open", {0, 0, 0}, {0, 0, 90}},
+    {"closed and a window", {0, 0, 0}, {40, 0, 20}},
+    {"open and a window", {0, 0, 90}, {40, 0, 20}},
+    {"windows opposite each other", {60, 0, 25}, {60, 180, 25}},
+    {"and low over the horizon", {85, 0, 20}, {85, 180, 20}},
+    {"wide and narrow, one axis", {20, 0, 10}, {20, 0, 60}},
+    {"axes 90 degrees apart", {45, 0, 40}, {45, 180, 40}},
+    {"axes 20 degrees apart", {30, 0, 30}, {50, 0, 30}},
 };
 
 }  // namespace
@@ -79,7 +85,9 @@ std::vector<MixingError> mixingErrors(const Model& model) {
             for (const glm::vec3& w : fibonacciHemisphere(400)) {
                 const CapLight light = capLight(w, float(std::sin(radius * kDegree)));
                 auto lit = [&](const Visibility& v, const ModelParams& params) {
-                    return double(irradianceThrough(model.id, renormalised(model.id, toReceiver(v, params, normal)), light, lightClassOf(light.sinRadius))) / light.area;
+                    return double(irradianceThrough(model.id, renormalised(model.id, toReceiver(v, params, normal)), light,
+                                                    lightClassOf(light.sinRadius)))
+                         / light.area;
                 };
                 const double first = lit(a, from), last = lit(b, to);
                 for (int i = 1; i < 16; ++i) {

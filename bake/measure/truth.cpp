@@ -37,8 +37,8 @@ std::vector<glm::vec3> lightDirections(const MeasuredRegion& region, const Surfa
     return out;
 }
 
-TruthSample traceLight(const Tracer& tracer, const SurfacePoint& receiver, const glm::vec3& direction, double radius,
-                       int samples, double spin) {
+TruthSample traceLight(const Tracer& tracer, const SurfacePoint& receiver, const glm::vec3& direction, double radius, int samples,
+                       double spin) {
     const double height = 2 * std::sin(radius / 2) * std::sin(radius / 2);
     const glm::mat3 frame = frameFromZ(direction, spin);
     std::vector<glm::vec3> rays;

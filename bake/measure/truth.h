@@ -32,7 +32,7 @@ struct TruthSample {
     float mean() const { return (first + second) / 2; }
     float noise() const { return (first - second) / 2; }
 };
-TruthSample traceLight(const Tracer& tracer, const SurfacePoint& receiver, const glm::vec3& direction, double radius,
-                       int samples, double spin);
+TruthSample traceLight(const Tracer& tracer, const SurfacePoint& receiver, const glm::vec3& direction, double radius, int samples,
+                       double spin);
 
 }  // namespace apertura

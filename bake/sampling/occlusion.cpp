@@ -10,8 +10,8 @@
 
 namespace apertura {
 
-void samplePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const SampleLattice& lattice, uint32_t seed, int threads,
-                  const Progress& progress, const std::function<void(size_t, const Samples&, const glm::mat3&)>& use) {
+void samplePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const SampleLattice& lattice, uint32_t seed,
+                  int threads, const Progress& progress, const std::function<void(size_t, const Samples&, const glm::mat3&)>& use) {
     std::optional<tbb::global_control> limit;
     if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads));
     ProgressCounter counter(progress, points.size());

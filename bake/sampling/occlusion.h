@@ -23,7 +23,8 @@ public:
 class RayOcclusion : public OcclusionSource {
 public:
     // maxDistance: metres beyond which nothing blocks; 0: no limit.
-    explicit RayOcclusion(const Tracer& tracer, double maxDistance = 0) : tracer_(tracer), distance_(maxDistance > 0 ? float(maxDistance) : kNoLimit) {}
+    explicit RayOcclusion(const Tracer& tracer, double maxDistance = 0)
+        : tracer_(tracer), distance_(maxDistance > 0 ? float(maxDistance) : kNoLimit) {}
     void occluded(const SurfacePoint& point, std::span<const glm::vec3> directions, uint8_t* blocked) const override {
         tracer_.occluded(rayOrigin(tracer_, point), directions, distance_, blocked);
     }
@@ -36,7 +37,7 @@ private:
 // What is seen from each point along the lattice's directions, spun by an angle of the point's own that is hashed from
 // the seed and its index. Calls `use(i, samples, frame)` for each point from any thread; `frame` takes the lattice to
 // the world. The result does not depend on the number of threads (0: all cores). Throws Cancelled.
-void samplePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const SampleLattice& lattice, uint32_t seed, int threads,
-                  const Progress& progress, const std::function<void(size_t, const Samples&, const glm::mat3&)>& use);
+void samplePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const SampleLattice& lattice, uint32_t seed,
+                  int threads, const Progress& progress, const std::function<void(size_t, const Samples&, const glm::mat3&)>& use);
 
 }  // namespace apertura

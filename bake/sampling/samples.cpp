@@ -22,8 +22,8 @@ SampleLattice::SampleLattice(int rays) : directions_(fibonacciHemisphere(rays)) 
         const size_t at = (patch % size_t(blocks) * size_t(patchSize) + member) * kLanes + patch / size_t(blocks);
         place.push_back(int(at));
         const glm::vec3 w = directions_[i];
-        const float values[kFeatures] = {1, w.x, w.y, w.z, w.x * w.x - w.z * w.z, w.y * w.y - w.z * w.z,
-                                         2 * w.x * w.y, 2 * w.x * w.z, 2 * w.y * w.z};
+        const float values[kFeatures] = {
+            1, w.x, w.y, w.z, w.x * w.x - w.z * w.z, w.y * w.y - w.z * w.z, 2 * w.x * w.y, 2 * w.x * w.z, 2 * w.y * w.z};
         for (int f = 0; f < kFeatures; ++f) feature[f][at] = values[f];
     }
     byHeight.resize(n);

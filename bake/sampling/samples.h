@@ -19,13 +19,13 @@ public:
 
     // Fits compare the model with the samples by patches of neighbours, about 256 of the hemisphere: of 4096
     // rays a patch is as large as a light of 5 degrees. kLanes of them stand side by side, each a lane of
-    // `blocks` neighbours: sample m of patch l blocks + b stands at (b patchSize + m) kLanes + l. The features are 1, x, y, z and the five products
-    // x2-z2, y2-z2, 2xy, 2xz, 2yz; all of them are 0 where a patch has no sample.
+    // `blocks` neighbours: sample m of patch l blocks + b stands at (b patchSize + m) kLanes + l. The features are 1, x, y, z and the five
+    // products x2-z2, y2-z2, 2xy, 2xz, 2yz; all of them are 0 where a patch has no sample.
     static constexpr int kFeatures = 9, kLanes = 8, kPatches = 256;
     static constexpr int kGroup = 8;  // neighbouring patches of a lane, together a light of about 15 degrees
     int patchSize = 1, blocks = 0;
     std::vector<float> feature[kFeatures];
-    std::vector<int> place;       // where each of directions() stands
+    std::vector<int> place;  // where each of directions() stands
 
     // By falling height, 64 at a time: the order of Samples::bits, what cos2 is on average in each word, and
     // the bits that stand for a direction.

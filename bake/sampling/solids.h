@@ -33,7 +33,9 @@ public:
     bool comesOut(const SurfacePoint& from, const SurfacePoint& to) const;
 
 private:
-    bool isBack(const Hit& hit) const { return hit.back && !twoSided_[size_t(scene_.instances[size_t(hit.instance)].surface)][size_t(hit.triangle)]; }
+    bool isBack(const Hit& hit) const {
+        return hit.back && !twoSided_[size_t(scene_.instances[size_t(hit.instance)].surface)][size_t(hit.triangle)];
+    }
 
     const Scene& scene_;
     const Tracer& tracer_;

@@ -25,10 +25,8 @@ std::vector<SurfaceSample> sampleSurface(const Scene& scene, int count, uint32_t
         for (size_t t = 0; t < surface.triangles.size(); ++t) {
             const std::array<glm::dvec3, 3> c = cornersOf(scene, int(i), int(t));
             const glm::vec3 low(glm::min(c[0], glm::min(c[1], c[2]))), high(glm::max(c[0], glm::max(c[1], c[2])));
-            const bool near = region.boxes.empty()
-                           || std::any_of(region.boxes.begin(), region.boxes.end(), [&](const Box& box) {
-                                  return glm::all(glm::lessThanEqual(low, box.high))
-                                      && glm::all(glm::greaterThanEqual(high, box.low));
+            const bool near = region.boxes.empty() || std::any_of(region.boxes.begin(), region.boxes.end(), [&](const Box& box) {
+                                  return glm::all(glm::lessThanEqual(low, box.high)) && glm::all(glm::greaterThanEqual(high, box.low));
                               });
             const double area = 0.5 * glm::length(glm::cross(c[1] - c[0], c[2] - c[0]));
             if (!near || !(area > 0)) continue;
@@ -53,8 +51,7 @@ std::vector<SurfaceSample> sampleSurface(const Scene& scene, int count, uint32_t
         const SurfaceAt at = surfaceAt(scene, i, t, point.weights);
         point.at = {at.position, at.face, at.longest};
         if (!region.boxes.empty()
-            && std::none_of(region.boxes.begin(), region.boxes.end(),
-                            [&](const Box& box) { return inside(box, point.at.position); }))
+            && std::none_of(region.boxes.begin(), region.boxes.end(), [&](const Box& box) { return inside(box, point.at.position); }))
             continue;
         out.push_back(point);
     }

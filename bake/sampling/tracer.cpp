@@ -22,10 +22,10 @@ namespace {
 template <typename Place>
 void attach(RTCDevice device, RTCScene to, unsigned id, const Surface& surface, Place&& place) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                 3 * sizeof(float), surface.positions.size()));
-    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                   3 * sizeof(uint32_t), surface.triangles.size()));
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), surface.positions.size()));
+    auto* indices = static_cast<uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), surface.triangles.size()));
     if (!vertices || !indices) {
         rtcReleaseGeometry(geometry);
         throw Error("ray tracing: not enough memory for the scene");
@@ -81,9 +81,7 @@ struct Tracer::Impl {
     void commit(RTCScene scene, const Progress& progress) const {
         if (progress)
             rtcSetSceneProgressMonitorFunction(
-                scene,
-                [](void* user, double) { return (*static_cast<const Progress*>(user))(0); },
-                const_cast<Progress*>(&progress));
+                scene, [](void* user, double) { return (*static_cast<const Progress*>(user))(0); }, const_cast<Progress*>(&progress));
         rtcCommitScene(scene);
         switch (rtcGetDeviceError(device)) {
             case RTC_ERROR_NONE: break;
@@ -144,7 +142,8 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
         if (!shared.scene) {
             shared.scene = impl.newScene();
             impl.parts.push_back(shared.scene);
-            attach(impl.device, shared.scene, 0, surface, [&](const glm::vec3& p) { return glm::vec3((glm::dvec3(p) - glm::dvec3(shared.middle)) * shared.scale); });
+            attach(impl.device, shared.scene, 0, surface,
+                   [&](const glm::vec3& p) { return glm::vec3((glm::dvec3(p) - glm::dvec3(shared.middle)) * shared.scale); });
             impl.commit(shared.scene, progress);
         }
         toRays[3] = glm::dvec4(impl.toRays(worldPosition(instance, shared.middle)), 1);
@@ -223,8 +222,7 @@ bool Tracer::occluded(const glm::dvec3& origin, const glm::vec3& direction, floa
 std::optional<Hit> Tracer::nearest(const glm::dvec3& world, const glm::vec3& direction) const {
     const glm::vec3 origin = impl_->toRays(world);
     RTCRayHit query{};
-    query.ray = {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0,
-                 kNoLimit, ~0u, 0, 0};
+    query.ray = {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, kNoLimit, ~0u, 0, 0};
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
     rtcIntersect1(impl_->top, &query);

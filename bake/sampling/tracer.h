@@ -30,8 +30,7 @@ public:
     // a distance of its own each. blocked[i] is 1 or 0; as many as directions. Safe from any number of threads.
     void occluded(const glm::dvec3& origin, std::span<const glm::vec3> directions, std::span<const float> distances,
                   uint8_t* blocked) const;
-    void occluded(const glm::dvec3& origin, std::span<const glm::vec3> directions, float distance,
-                  uint8_t* blocked) const;
+    void occluded(const glm::dvec3& origin, std::span<const glm::vec3> directions, float distance, uint8_t* blocked) const;
     bool occluded(const glm::dvec3& origin, const glm::vec3& direction, float distance) const;
     std::optional<Hit> nearest(const glm::dvec3& origin, const glm::vec3& direction) const;
 

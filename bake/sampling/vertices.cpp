@@ -17,20 +17,20 @@ namespace {
 
 using glm::dvec3;
 
-constexpr int kSuspicious = 4;        // of Solids::kProbes rays, that see backs of faces: somewhere else may be
-constexpr double kBetter = 0.25;      // which sees no more than this share of them
+constexpr int kSuspicious = 4;                                // of Solids::kProbes rays, that see backs of faces: somewhere else may be
+constexpr double kBetter = 0.25;                              // which sees no more than this share of them
 constexpr double kSteps[] = {0.02, 0.1, 0.25, 0.5, 0.75, 1};  // of the way to the middle of a triangle or an edge
-constexpr double kNoArea = 1e-10;     // a triangle's area over its longest edge squared
-constexpr double kLarge = 0.05;       // of the scene's size, a triangle's longest edge
-constexpr double kSteep = 0.1;        // cosine, below which a normal hardly leads away from a face
+constexpr double kNoArea = 1e-10;                             // a triangle's area over its longest edge squared
+constexpr double kLarge = 0.05;                               // of the scene's size, a triangle's longest edge
+constexpr double kSteep = 0.1;                                // cosine, below which a normal hardly leads away from a face
 
 // What the triangles about one vertex say.
 struct Corner {
-    int count = 0;         // of those that have an area
-    dvec3 faces{0};        // sum of their normals, by angle, on the side of their vertices' normals
-    dvec3 within{0};       // sum of the directions to their middles
-    double longest = 0;    // edge, metres
-    double middle = 1e300; // metres to the nearest of their middles
+    int count = 0;          // of those that have an area
+    dvec3 faces{0};         // sum of their normals, by angle, on the side of their vertices' normals
+    dvec3 within{0};        // sum of the directions to their middles
+    double longest = 0;     // edge, metres
+    double middle = 1e300;  // metres to the nearest of their middles
 };
 
 // One instance's triangles, in the world.
@@ -110,9 +110,11 @@ public:
             if (!hasArea(around_[i])) continue;
             const auto [a, b] = edges(around_[i], v);
             for (const double step : kSteps)
-                for (const dvec3& way : {(a + b) / 3.0, 0.45 * a + 0.05 * b, 0.05 * a + 0.45 * b, 0.475 * (a + b)}) out.push_back(places_[v] + step * way);
+                for (const dvec3& way : {(a + b) / 3.0, 0.45 * a + 0.05 * b, 0.05 * a + 0.45 * b, 0.475 * (a + b)})
+                    out.push_back(places_[v] + step * way);
         }
-        std::stable_sort(out.begin(), out.end(), [&](const dvec3& a, const dvec3& b) { return glm::distance(a, places_[v]) < glm::distance(b, places_[v]); });
+        std::stable_sort(out.begin(), out.end(),
+                         [&](const dvec3& a, const dvec3& b) { return glm::distance(a, places_[v]) < glm::distance(b, places_[v]); });
         return out;
     }
 
@@ -128,7 +130,8 @@ private:
     }
     double longest(size_t t) const {
         const auto& i = surface_.triangles[t];
-        return std::max({glm::distance(places_[i[0]], places_[i[1]]), glm::distance(places_[i[1]], places_[i[2]]), glm::distance(places_[i[2]], places_[i[0]])});
+        return std::max({glm::distance(places_[i[0]], places_[i[1]]), glm::distance(places_[i[1]], places_[i[2]]),
+                         glm::distance(places_[i[2]], places_[i[0]])});
     }
     bool hasArea(size_t t) const { return glm::length(crossOf(t)) > 2 * kNoArea * longest(t) * longest(t); }
     // From a vertex to the others of its triangle, in the order of its winding.
@@ -193,7 +196,8 @@ std::vector<std::string> describe(const MeshIssues& d) {
     say("vertices with normals behind all of their faces", d.normalsBehind, "baked on the faces' side");
     say("vertices inside other geometry", d.moved, "baked from the nearest point outside on their triangles");
     say("triangles longer than a twentieth of the scene", d.large, "shadows that fall within them are lost: subdivide them");
-    say("vertices that see backs of faces", d.insideSolids, "baked as they are: right inside solids; where they show as dark spots, faces are one-sided or inside out");
+    say("vertices that see backs of faces", d.insideSolids,
+        "baked as they are: right inside solids; where they show as dark spots, faces are one-sided or inside out");
     return out;
 }
 

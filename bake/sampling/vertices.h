@@ -10,13 +10,13 @@ namespace apertura {
 
 // What a scene leaves open, counted; and what was made of it.
 struct MeshIssues {
-    size_t degenerate = 0;    // triangles of no area: they block nothing
-    size_t withoutFaces = 0;  // vertices of those alone: they look along the normal that the file has, or +Y
-    size_t inverted = 0;      // triangles wound against their vertices' normals: the normals are believed
-    size_t normalsBehind = 0; // vertices whose normal points behind all of their faces: they look out on the faces' side
-    size_t moved = 0;         // vertices inside something else: they look from the nearest point of their triangles outside
-    size_t large = 0;         // triangles longer than a twentieth of the scene: visibility is known at their corners alone
-    size_t insideSolids = 0;  // vertices that see backs of faces, and no better from their triangles: they stay as they are
+    size_t degenerate = 0;     // triangles of no area: they block nothing
+    size_t withoutFaces = 0;   // vertices of those alone: they look along the normal that the file has, or +Y
+    size_t inverted = 0;       // triangles wound against their vertices' normals: the normals are believed
+    size_t normalsBehind = 0;  // vertices whose normal points behind all of their faces: they look out on the faces' side
+    size_t moved = 0;          // vertices inside something else: they look from the nearest point of their triangles outside
+    size_t large = 0;          // triangles longer than a twentieth of the scene: visibility is known at their corners alone
+    size_t insideSolids = 0;   // vertices that see backs of faces, and no better from their triangles: they stay as they are
 };
 
 // One line for each that is not nothing.

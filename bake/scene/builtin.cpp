@@ -196,7 +196,8 @@ Scene makeBuiltin(const std::string& name) {
 }
 
 std::optional<BuiltinScene> findBuiltin(const std::string& name) {
-    const auto found = std::find_if(std::begin(kBuiltins), std::end(kBuiltins), [&](const Builtin& b) { return name == std::string("builtin:") + b.name; });
+    const auto found = std::find_if(std::begin(kBuiltins), std::end(kBuiltins),
+                                    [&](const Builtin& b) { return name == std::string("builtin:") + b.name; });
     if (found == std::end(kBuiltins)) return std::nullopt;
     BuiltinScene out;
     out.scene.name = name;

@@ -21,9 +21,9 @@ namespace apertura {
 namespace {
 
 constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
-constexpr float kHighest = 100e3f;  // metres; Olympus Mons rises 22 km
-constexpr double kMostTexelsAByte = 4096;  // four times what deflate makes of zeros
-constexpr double kBytesAVertex = 450;       // of a mesh of two triangles each: measured while baking
+constexpr float kHighest = 100e3f;                 // metres; Olympus Mons rises 22 km
+constexpr double kMostTexelsAByte = 4096;          // four times what deflate makes of zeros
+constexpr double kBytesAVertex = 450;              // of a mesh of two triangles each: measured while baking
 constexpr int64_t kMostTexels = int64_t(1) << 26;  // 8192 squared; more would not fit into a .glb
 
 std::string oneLine(std::string cause) {
@@ -89,7 +89,9 @@ void requirePlausible(const std::vector<float>& heights) {
     for (const float h : heights)
         if (std::abs(h) > kHighest) {
             char text[160];
-            std::snprintf(text, sizeof text, "a height of %.0f km: its colours are not packed as Terrain-RGB (-10000 + 0.1 (65536 R + 256 G + B) m)", h / 1000);
+            std::snprintf(text, sizeof text,
+                          "a height of %.0f km: its colours are not packed as Terrain-RGB (-10000 + 0.1 (65536 R + 256 G + B) m)",
+                          h / 1000);
             throw Error(text);
         }
 }
@@ -116,8 +118,7 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
     if (double(texels) > kMostTexelsAByte * double(std::filesystem::file_size(path)))
         throw Error(size + "more than a file of its size can hold");
     const int channels = spec.nchannels;
-    if (options.terrainRgb && (channels < 3 || spec.format != OIIO::TypeDesc::UINT8))
-        throw Error("Terrain-RGB needs three 8-bit channels");
+    if (options.terrainRgb && (channels < 3 || spec.format != OIIO::TypeDesc::UINT8)) throw Error("Terrain-RGB needs three 8-bit channels");
     if (!options.terrainRgb && channels > 2)
         throw Error("has " + std::to_string(channels)
                     + " channels where a height map has one; where colours pack heights as Terrain-RGB does, give --terrain-rgb");
@@ -132,17 +133,14 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
         if (y % rows == 0) {
             const int first = spec.y + y, end = spec.y + std::min(y + rows, spec.height);
             const bool read = spec.tile_width > 0
-                                  ? in->read_tiles(0, 0, spec.x, spec.x + spec.width, first, end, 0, 1, 0, channels, spec.format, raw.data())
-                                  : in->read_scanline(first, 0, spec.format, raw.data());
+                                ? in->read_tiles(0, 0, spec.x, spec.x + spec.width, first, end, 0, 1, 0, channels, spec.format, raw.data())
+                                : in->read_scanline(first, 0, spec.format, raw.data());
             if (!read) throw Error("cannot be read: " + oneLine(in->geterror()));
         }
         for (int x = 0; x < spec.width; ++x) {
             const size_t texel = size_t(y % rows) * spec.width + x;
-            auto value = [&](int c) {
-                return component(&raw[(texel * channels + c) * spec.format.size()], spec.format);
-            };
-            float height = float(options.terrainRgb ? -10000 + 0.1 * (65536 * value(0) + 256 * value(1) + value(2))
-                                                    : value(0));
+            auto value = [&](int c) { return component(&raw[(texel * channels + c) * spec.format.size()], spec.format); };
+            float height = float(options.terrainRgb ? -10000 + 0.1 * (65536 * value(0) + 256 * value(1) + value(2)) : value(0));
             const bool transparent = !options.terrainRgb && channels == 2 && value(1) == 0;
             if (height == nothing || !std::isfinite(height) || transparent) height = kVoid;
             map.values.push_back(height);
@@ -161,7 +159,8 @@ Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
     };
     const auto receive = [&](PipeReader& in) {
         const std::vector<int> size = in.take<int>();
-        requireMemory(path, std::to_string(size.at(0)) + " x " + std::to_string(size.at(1)) + " texels", double(size.at(0)) * size.at(1) * kBytesAVertex);
+        requireMemory(path, std::to_string(size.at(0)) + " x " + std::to_string(size.at(1)) + " texels",
+                      double(size.at(0)) * size.at(1) * kBytesAVertex);
         map = {size.at(0), size.at(1), in.take<float>()};
     };
     runIsolated(path, limitsFor(path, 10), send, receive);
@@ -180,8 +179,7 @@ Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
             }
     for (int y = 0; y + 1 < map.height; ++y)
         for (int x = 0; x + 1 < map.width; ++x) {
-            const uint32_t a = vertex[at(x, y)], b = vertex[at(x + 1, y)], c = vertex[at(x, y + 1)],
-                           d = vertex[at(x + 1, y + 1)];
+            const uint32_t a = vertex[at(x, y)], b = vertex[at(x + 1, y)], c = vertex[at(x, y + 1)], d = vertex[at(x + 1, y + 1)];
             if (a != UINT32_MAX && b != UINT32_MAX && c != UINT32_MAX) surface.triangles.push_back({a, c, b});
             if (b != UINT32_MAX && c != UINT32_MAX && d != UINT32_MAX) surface.triangles.push_back({b, c, d});
         }

@@ -25,14 +25,14 @@ bool isHeightMap(const std::string& path);
 // The parts of loadScene.
 Scene loadMeshFile(const std::string& path);                                    // .obj .ply .stl, by assimp
 Scene loadHeightMap(const std::string& path, const HeightMapOptions& options);  // by OpenImageIO
-Scene makeBuiltin(const std::string& name);  // without builtin:, see builtinNames
+Scene makeBuiltin(const std::string& name);                                     // without builtin:, see builtinNames
 
 // A built-in scene, and where its models are measured.
 struct BuiltinScene {
     Scene scene;
-    std::vector<bool> receives;        // surfaces that have receivers
-    std::vector<Box> receiverBoxes;    // world, metres: receivers lie in these; everywhere when empty
-    bool skyAboveGround = true;        // lit from above the horizontal; or else from everywhere
+    std::vector<bool> receives;      // surfaces that have receivers
+    std::vector<Box> receiverBoxes;  // world, metres: receivers lie in these; everywhere when empty
+    bool skyAboveGround = true;      // lit from above the horizontal; or else from everywhere
 };
 // That of "builtin:NAME", made anew; nothing where there is none of that name.
 std::optional<BuiltinScene> findBuiltin(const std::string& name);

@@ -27,7 +27,9 @@ class OneFile : public Assimp::DefaultIOSystem {
 public:
     explicit OneFile(std::string path) : path_(std::move(path)) {}
     bool Exists(const char* file) const override { return file == path_ && DefaultIOSystem::Exists(file); }
-    Assimp::IOStream* Open(const char* file, const char* mode) override { return file == path_ ? DefaultIOSystem::Open(file, mode) : nullptr; }
+    Assimp::IOStream* Open(const char* file, const char* mode) override {
+        return file == path_ ? DefaultIOSystem::Open(file, mode) : nullptr;
+    }
 
 private:
     std::string path_;
@@ -40,9 +42,8 @@ void read(const std::string& path, PipeWriter& pipe) {
     // Vertices that face apart by more than this are split where the file has no normals of its own.
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 60.0f);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    importer.SetPropertyInteger(
-        AI_CONFIG_PP_RVC_FLAGS, aiComponent_TEXCOORDS | aiComponent_COLORS | aiComponent_TANGENTS_AND_BITANGENTS
-                                    | aiComponent_MATERIALS | aiComponent_TEXTURES);
+    importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_TEXCOORDS | aiComponent_COLORS | aiComponent_TANGENTS_AND_BITANGENTS
+                                                            | aiComponent_MATERIALS | aiComponent_TEXTURES);
     // Positions are checked as the file has them, before a step could join or drop what is broken.
     const aiScene* scene = importer.ReadFile(path, 0);
     auto fail = [&] {
@@ -53,8 +54,7 @@ void read(const std::string& path, PipeWriter& pipe) {
     for (unsigned m = 0; m < scene->mNumMeshes; ++m)
         for (unsigned v = 0; v < scene->mMeshes[m]->mNumVertices; ++v) {
             const aiVector3D& p = scene->mMeshes[m]->mVertices[v];
-            if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-                throw Error("a vertex position is not a finite number");
+            if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) throw Error("a vertex position is not a finite number");
         }
     scene = importer.ApplyPostProcessing(aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType
                                          | aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices);
@@ -102,7 +102,8 @@ Scene loadMeshFile(const std::string& path) {
             scene.surfaces.push_back(std::move(surface));
         }
     };
-    runIsolated(path, limitsFor(path, 5), [&](PipeWriter& out) { read(path, out); }, receive);
+    runIsolated(
+        path, limitsFor(path, 5), [&](PipeWriter& out) { read(path, out); }, receive);
     validate(scene);
     return scene;
 }

@@ -29,8 +29,7 @@ double fade(double t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 
 }  // namespace
 
-void addPanel(Surface& surface, const dvec3& corner, const dvec3& u, const dvec3& v, double cell,
-              std::span<const Rect> holes) {
+void addPanel(Surface& surface, const dvec3& corner, const dvec3& u, const dvec3& v, double cell, std::span<const Rect> holes) {
     const double width = glm::length(u), height = glm::length(v);
     std::vector<double> edgesU, edgesV;
     for (const Rect& hole : holes) {
@@ -48,8 +47,7 @@ void addPanel(Surface& surface, const dvec3& corner, const dvec3& u, const dvec3
     for (uint32_t j = 0; j + 1 < vs.size(); ++j)
         for (uint32_t i = 0; i + 1 < us.size(); ++i) {
             const double a = (us[i] + us[i + 1]) / 2, b = (vs[j] + vs[j + 1]) / 2;
-            if (std::any_of(holes.begin(), holes.end(),
-                            [&](const Rect& h) { return a > h.u0 && a < h.u1 && b > h.v0 && b < h.v1; }))
+            if (std::any_of(holes.begin(), holes.end(), [&](const Rect& h) { return a > h.u0 && a < h.u1 && b > h.v0 && b < h.v1; }))
                 continue;
             const uint32_t p = first + j * uint32_t(us.size()) + i, q = p + uint32_t(us.size());
             surface.triangles.push_back({p, p + 1, q + 1});

@@ -6,9 +6,9 @@
 #include <set>
 
 #include "runtime/asset/file.h"
-#include "runtime/asset/params_stream.h"
 #include "runtime/asset/gltf.h"
 #include "runtime/asset/gltf_writer.h"
+#include "runtime/asset/params_stream.h"
 #include "sh/packing.h"
 
 namespace apertura {
@@ -52,9 +52,11 @@ void addCamera(Json& json, const Camera& view) {
     const glm::dvec3 back = glm::normalize(glm::dvec3(view.eye - view.target));
     const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(view.up), back)), up = glm::cross(back, right);
     json["scenes"][0]["nodes"].push_back(json["nodes"].size());
-    json["nodes"].push_back({{"name", "camera"},
-                             {"camera", 0},
-                             {"matrix", {right.x, right.y, right.z, 0, up.x, up.y, up.z, 0, back.x, back.y, back.z, 0, view.eye.x, view.eye.y, view.eye.z, 1}}});
+    json["nodes"].push_back(
+        {{"name", "camera"},
+         {"camera", 0},
+         {"matrix",
+          {right.x, right.y, right.z, 0, up.x, up.y, up.z, 0, back.x, back.y, back.z, 0, view.eye.x, view.eye.y, view.eye.z, 1}}});
 }
 
 // Adds a scene that came without a document; sets the instances' places in it.
@@ -66,7 +68,8 @@ void addScene(GltfWriter& writer, Scene& scene) {
         Box box;
         for (const glm::vec3& p : surface.positions) box = {glm::min(box.low, p), glm::max(box.high, p)};
         Json primitive;
-        primitive["attributes"]["POSITION"] = addVectors(writer, surface.positions, {{"min", numbers(box.low)}, {"max", numbers(box.high)}});
+        primitive["attributes"]["POSITION"] = addVectors(writer, surface.positions,
+                                                         {{"min", numbers(box.low)}, {"max", numbers(box.high)}});
         primitive["attributes"]["NORMAL"] = addVectors(writer, surface.normals);
         primitive["indices"] = addIndices(writer, surface);
         primitive["mode"] = kTriangles;
@@ -85,10 +88,11 @@ void addScene(GltfWriter& writer, Scene& scene) {
 }
 
 Json describe(const BakeInfo& info) {
-    return {{"version", info.version}, {"scene", info.scene},     {"model", info.model},
-            {"tolerance", info.tolerance}, {"rays", info.rays},   {"bits", info.bits},
-            {"seed", info.seed},       {"maxDistance", info.maxDistance}, {"rayOffset", info.rayOffset},
-            {"hemisphere", info.hemisphere}};
+    return {{"version", info.version},     {"scene", info.scene},
+            {"model", info.model},         {"tolerance", info.tolerance},
+            {"rays", info.rays},           {"bits", info.bits},
+            {"seed", info.seed},           {"maxDistance", info.maxDistance},
+            {"rayOffset", info.rayOffset}, {"hemisphere", info.hemisphere}};
 }
 
 const Json& describedIn(const Json& json) { return listOf(listOf(json["asset"], "extras"), "apertura"); }
@@ -108,7 +112,8 @@ void removeBaked(GltfWriter& writer) {
         }
     if (const Json& baked = describedIn(json); baked.is_object()) {
         for (const Json& entry : listOf(baked, "forms"))
-            if (entry.is_object() && entry.contains("bufferView") && entry["bufferView"].is_number_unsigned() && entry["bufferView"] < listOf(json, "bufferViews").size())
+            if (entry.is_object() && entry.contains("bufferView") && entry["bufferView"].is_number_unsigned()
+                && entry["bufferView"] < listOf(json, "bufferViews").size())
                 views.insert(entry["bufferView"].get<size_t>());
         json["asset"]["extras"]["apertura"].erase("forms");
     }
@@ -116,7 +121,8 @@ void removeBaked(GltfWriter& writer) {
 }
 
 // The primitive with the surface's own vertices and normals, where they are not as the file has them.
-void replaceGeometry(GltfWriter& writer, const GltfDocument& document, const Surface& surface, Json& primitive, std::set<size_t>& replaced) {
+void replaceGeometry(GltfWriter& writer, const GltfDocument& document, const Surface& surface, Json& primitive,
+                     std::set<size_t>& replaced) {
     if (!surface.splitFrom.empty()) {
         // Without normals tangents mean nothing; with the new ones they would.
         if (primitive["attributes"].contains("TANGENT")) {
@@ -153,8 +159,10 @@ std::vector<Packed> packAll(const std::vector<Visibility>& points, const glm::ma
 }
 
 size_t addVisibility(GltfWriter& writer, const std::vector<Visibility>& points, const glm::mat3& rotation, int bits) {
-    return writer.addAccessor({{"componentType", bits == 16 ? kShort : kByte}, {"normalized", true}, {"type", "VEC4"}, {"count", points.size()}},
-                              bits == 16 ? bytesOf(packAll<Packed16>(points, rotation, pack16)) : bytesOf(packAll<Packed8>(points, rotation, pack8)), kArrayBuffer);
+    return writer.addAccessor(
+        {{"componentType", bits == 16 ? kShort : kByte}, {"normalized", true}, {"type", "VEC4"}, {"count", points.size()}},
+        bits == 16 ? bytesOf(packAll<Packed16>(points, rotation, pack16)) : bytesOf(packAll<Packed8>(points, rotation, pack8)),
+        kArrayBuffer);
 }
 
 // Values in a piece of JSON: what a copy of it takes, about.
@@ -194,7 +202,9 @@ std::map<std::pair<size_t, size_t>, size_t> findStreams(const Json& described) {
     const Json& allParams = listOf(described, "forms");
     if (!allParams.is_array()) return out;
     for (const Json& params : allParams) {
-        auto index = [&](const char* key) { return params.is_object() && params.contains(key) && params[key].is_number_unsigned() ? params[key].get<size_t>() : SIZE_MAX; };
+        auto index = [&](const char* key) {
+            return params.is_object() && params.contains(key) && params[key].is_number_unsigned() ? params[key].get<size_t>() : SIZE_MAX;
+        };
         out[{index("mesh"), index("primitive")}] = index("bufferView");
     }
     return out;
@@ -212,7 +222,9 @@ SeenByInstance pick(const SeenByInstance& seen, const std::vector<uint32_t>& fro
 
 BakeInfo readInfo(const Json& said, const std::string& name) {
     BakeInfo info;
-    auto number = [&](const char* key, double fallback) { return said.contains(key) && said[key].is_number() ? said[key].get<double>() : fallback; };
+    auto number = [&](const char* key, double fallback) {
+        return said.contains(key) && said[key].is_number() ? said[key].get<double>() : fallback;
+    };
     auto text = [&](const char* key) { return said.contains(key) && said[key].is_string() ? said[key].get<std::string>() : std::string(); };
     info.version = text("version");
     info.scene = text("scene");
@@ -283,7 +295,8 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     const Json& before = describedIn(json);
     for (const char* key : {"mergedBuffers", "inputGenerator"})
         if (before.is_object() && before.contains(key)) description[key] = before[key];
-    if (scene.document && asset.contains("generator") && !asset["generator"].dump().starts_with("\"Apertura ")) description["inputGenerator"] = asset["generator"];
+    if (scene.document && asset.contains("generator") && !asset["generator"].dump().starts_with("\"Apertura "))
+        description["inputGenerator"] = asset["generator"];
     asset["generator"] = "Apertura " + info.version;
     if (asset.contains("extras") && !asset["extras"].is_object()) asset["extras"] = {{"input", asset["extras"]}};
     if (stored) description["forms"] = allParams;
@@ -335,7 +348,8 @@ Asset toAsset(Scene scene) {
             const auto stream = streams.find({mesh, size_t(instance.primitive)});
             if (stream == streams.end()) throw Error(where + " holds no numbers of the model " + asset.info.model);
             try {
-                seen.allParams = unpackAllParams(*stored, viewBytes(document, stream->second), seen.visibility.size(), rotation, asset.info.bits);
+                seen.allParams = unpackAllParams(*stored, viewBytes(document, stream->second), seen.visibility.size(), rotation,
+                                                 asset.info.bits);
             } catch (const Error& e) {
                 const std::string cause = e.what();
                 throw Error(cause.starts_with(scene.name) ? cause : where + ": " + cause);
@@ -363,8 +377,7 @@ double bytesAPoint(const Asset& asset) {
     for (const SeenByInstance& seen : asset.seen) {
         points += double(seen.visibility.size());
         if (!stored) continue;
-        for (const ModelParams& params : seen.allParams)
-            numbers += storedNumbers(chosenModel(*stored, params));
+        for (const ModelParams& params : seen.allParams) numbers += storedNumbers(chosenModel(*stored, params));
     }
     const double choice = stored && stored->kind == ModelKind::Choice ? 1 : 0;
     return asset.info.bits / 2.0 + choice + numbers / std::max(points, 1.0) * asset.info.bits / 8;

@@ -18,15 +18,15 @@ struct BakeInfo {
     int rays = 256;            // a vertex
     int bits = 8;              // a component
     uint32_t seed = 1;
-    double maxDistance = 0;    // metres, 0 for no limit
-    double rayOffset = 0;      // metres that rays start above the surface, at most
+    double maxDistance = 0;  // metres, 0 for no limit
+    double rayOffset = 0;    // metres that rays start above the surface, at most
     std::string hemisphere = "vertex normal";
 };
 
 // What the positions of one instance see, in world directions.
 struct SeenByInstance {
     std::vector<Visibility> visibility;  // one a position
-    std::vector<ModelParams> allParams;             // the same, where a model is stored beside it; else empty
+    std::vector<ModelParams> allParams;  // the same, where a model is stored beside it; else empty
 };
 using BakedVisibility = std::vector<SeenByInstance>;  // one an instance of the scene
 

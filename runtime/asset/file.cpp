@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t kLargestFile = UINT32_MAX;  // bytes: what a .glb can hold
-constexpr size_t kLongestName = 255;  // bytes, on the file systems in use
+constexpr size_t kLongestName = 255;         // bytes, on the file systems in use
 constexpr size_t kTagDigits = 8;
 constexpr char kMark[] = ".apertura-";  // before the digits
 
@@ -92,7 +92,8 @@ std::vector<unsigned char> readFile(const std::string& path, std::optional<size_
     struct stat about {};
     Descriptor file(openOrdinary(path, about));
     const size_t size = size_t(about.st_size);
-    if (length && size != *length) throw Error(path + ": " + std::to_string(size) + " bytes where " + std::to_string(*length) + " are said to be");
+    if (length && size != *length)
+        throw Error(path + ": " + std::to_string(size) + " bytes where " + std::to_string(*length) + " are said to be");
     if (size > kLargestFile) throw Error(path + ": larger than 4 GiB");
     std::vector<unsigned char> out(size);
     for (size_t done = 0; done < size;) {

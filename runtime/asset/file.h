@@ -26,7 +26,7 @@ public:
     PendingFile& operator=(const PendingFile&) = delete;
 
     const std::string& name() const { return temporary_; }  // where to write
-    void writeAll(std::string_view bytes);                   // all that it holds
+    void writeAll(std::string_view bytes);                  // all that it holds
     void commit();
 
 private:

@@ -82,7 +82,8 @@ Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
     const size_t mode = unsignedOr(primitive, "mode", kTriangles);
     const Json& attributes = primitive["attributes"];
     if (mode < kTriangles || !attributes.contains("POSITION")) return surface;
-    if (primitive.contains("material")) surface.twoSided = document.json["materials"][primitive["material"].get<size_t>()].value("doubleSided", false);
+    if (primitive.contains("material"))
+        surface.twoSided = document.json["materials"][primitive["material"].get<size_t>()].value("doubleSided", false);
     surface.positions = readVectors(document, attributes["POSITION"].get<size_t>());
     auto checkCounts = [&](const Json& each) {
         for (const auto& attribute : each.items())
@@ -115,8 +116,13 @@ Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
 class Walker {
 public:
     Walker(Scene& scene, const GltfDocument& document)
-        : scene_(scene), document_(document), nodes_(listOf(document.json, "nodes")), open_(nodes_.size()), seen_(nodes_.size()),
-          first_(listOf(document.json, "meshes").size(), -1), elements_(document, "its primitives", kFewElements, kElementsAByte),
+        : scene_(scene),
+          document_(document),
+          nodes_(listOf(document.json, "nodes")),
+          open_(nodes_.size()),
+          seen_(nodes_.size()),
+          first_(listOf(document.json, "meshes").size(), -1),
+          elements_(document, "its primitives", kFewElements, kElementsAByte),
           vertices_(document, "its instances", kFewVertices, kVerticesAByte) {}
 
     void visit(size_t index, const glm::dmat4& parent, int depth = 0) {
@@ -155,7 +161,8 @@ private:
 
     double elementsOf(const Json& primitive) const {
         double sum = 0;
-        if (primitive["attributes"].contains("POSITION")) sum += double(accessorCount(document_, primitive["attributes"]["POSITION"].get<size_t>()));
+        if (primitive["attributes"].contains("POSITION"))
+            sum += double(accessorCount(document_, primitive["attributes"]["POSITION"].get<size_t>()));
         if (primitive.contains("indices")) sum += double(accessorCount(document_, primitive["indices"].get<size_t>()));
         return sum;
     }
@@ -166,7 +173,8 @@ private:
         const glm::dvec3 eye(world[3]), forward = -glm::dvec3(world[2]), up(world[1]);
         const double length = glm::length(forward), height = glm::length(up);
         const double far = glm::length(eye);
-        if (!(fov > 0 && fov < std::numbers::pi && length > 0 && height > 0 && far < kFarthestEye) || !std::isfinite(length) || !std::isfinite(height)) {
+        if (!(fov > 0 && fov < std::numbers::pi && length > 0 && height > 0 && far < kFarthestEye) || !std::isfinite(length)
+            || !std::isfinite(height)) {
             scene_.notes.push_back("its camera cannot be used");
             return;
         }
@@ -192,7 +200,8 @@ Scene readScene(GltfDocument&& given) {
     Walker walker(scene, document);
     const Json& scenes = listOf(document.json, "scenes");
     if (!scenes.empty()) {
-        for (const Json& node : listOf(scenes[unsignedOr(document.json, "scene", 0)], "nodes")) walker.visit(node.get<size_t>(), glm::dmat4(1));
+        for (const Json& node : listOf(scenes[unsignedOr(document.json, "scene", 0)], "nodes"))
+            walker.visit(node.get<size_t>(), glm::dmat4(1));
     } else {
         const Json& nodes = listOf(document.json, "nodes");
         std::vector<bool> child(nodes.size());

@@ -30,8 +30,8 @@ size_t componentSize(int type) { return type == kByte || type == kUnsignedByte ?
 
 // Rows and columns of a type; the columns of matrices begin at multiples of four bytes.
 std::pair<size_t, size_t> shapeOf(const Json& accessor) {
-    static const std::map<std::string, std::pair<size_t, size_t>> shapes{{"SCALAR", {1, 1}}, {"VEC2", {2, 1}}, {"VEC3", {3, 1}}, {"VEC4", {4, 1}},
-                                                                         {"MAT2", {2, 2}},   {"MAT3", {3, 3}}, {"MAT4", {4, 4}}};
+    static const std::map<std::string, std::pair<size_t, size_t>> shapes{
+        {"SCALAR", {1, 1}}, {"VEC2", {2, 1}}, {"VEC3", {3, 1}}, {"VEC4", {4, 1}}, {"MAT2", {2, 2}}, {"MAT3", {3, 3}}, {"MAT4", {4, 4}}};
     return shapes.at(accessor["type"].get_ref<const std::string&>());
 }
 
@@ -42,12 +42,13 @@ size_t sizeOf(const Json& accessor) {
 }
 
 // `count` elements of a view from `offset` on, checked to lie inside it.
-Layout layoutOf(const GltfDocument& document, const std::string& where, size_t view, size_t offset, size_t count, size_t element, bool strided) {
+Layout layoutOf(const GltfDocument& document, const std::string& where, size_t view, size_t offset, size_t count, size_t element,
+                bool strided) {
     const std::span<const unsigned char> bytes = viewBytes(document, view);
     const size_t given = strided ? unsignedOr(document.json["bufferViews"][view], "byteStride", 0) : 0;
     const size_t stride = given ? given : element;
     const bool inside = offset <= bytes.size() && stride >= element
-                        && (count == 0 || (element <= bytes.size() - offset && count - 1 <= (bytes.size() - offset - element) / stride));
+                     && (count == 0 || (element <= bytes.size() - offset && count - 1 <= (bytes.size() - offset - element) / stride));
     if (!inside) throw Error(where + " reaches outside its buffer view");
     return {bytes.subspan(offset), stride};
 }
@@ -67,15 +68,18 @@ Elements elementsOf(const GltfDocument& document, size_t index) {
     out.count = accessor["count"].get<size_t>();
     out.size = sizeOf(accessor);
     if (accessor.contains("bufferView"))
-        out.dense = layoutOf(document, where, accessor["bufferView"].get<size_t>(), unsignedOr(accessor, "byteOffset", 0), out.count, out.size, true);
+        out.dense = layoutOf(document, where, accessor["bufferView"].get<size_t>(), unsignedOr(accessor, "byteOffset", 0), out.count,
+                             out.size, true);
     const auto sparse = accessor.find("sparse");
     if (sparse == accessor.end()) return out;
     out.sparseCount = sparse->at("count").get<size_t>();
     if (out.sparseCount > out.count) throw Error(where + " has more sparse elements than elements");
     const Json &indices = sparse->at("indices"), &values = sparse->at("values");
     out.indexSize = componentSize(indices["componentType"].get<int>());
-    out.sparseIndices = layoutOf(document, where, indices["bufferView"].get<size_t>(), unsignedOr(indices, "byteOffset", 0), out.sparseCount, out.indexSize, false);
-    out.sparseValues = layoutOf(document, where, values["bufferView"].get<size_t>(), unsignedOr(values, "byteOffset", 0), out.sparseCount, out.size, false);
+    out.sparseIndices = layoutOf(document, where, indices["bufferView"].get<size_t>(), unsignedOr(indices, "byteOffset", 0),
+                                 out.sparseCount, out.indexSize, false);
+    out.sparseValues = layoutOf(document, where, values["bufferView"].get<size_t>(), unsignedOr(values, "byteOffset", 0), out.sparseCount,
+                                out.size, false);
     return out;
 }
 
@@ -92,7 +96,8 @@ Bytes elementBytes(const GltfDocument& document, size_t index) {
     const Elements elements = elementsOf(document, index);
     const std::string where = document.name + ": accessor " + std::to_string(index);
     // Elements of a view are as many as its bytes allow; those without one are zeros, of which a file may claim any number.
-    if (!elements.dense && elements.count > kZerosAByte * bytesInBuffers(document) + kFewZeros) throw Error(where + " has too many elements");
+    if (!elements.dense && elements.count > kZerosAByte * bytesInBuffers(document) + kFewZeros)
+        throw Error(where + " has too many elements");
     Bytes out(elements.count * elements.size);
     if (elements.dense)
         for (size_t i = 0; i < elements.count; ++i) std::memcpy(&out[i * elements.size], elements.dense->element(i), elements.size);
@@ -146,7 +151,8 @@ size_t largestRatio(const std::string& mode) { return mode == "ATTRIBUTES" ? 64 
 
 // One attribute of the instances: their transforms, or what is an application's own, which moves to their extras.
 void addInstanceValues(const GltfDocument& document, const std::string& attribute, size_t accessor, std::vector<Json>& children) {
-    static const std::map<std::string, std::pair<const char*, size_t>> transforms{{"TRANSLATION", {"translation", 3}}, {"ROTATION", {"rotation", 4}}, {"SCALE", {"scale", 3}}};
+    static const std::map<std::string, std::pair<const char*, size_t>> transforms{
+        {"TRANSLATION", {"translation", 3}}, {"ROTATION", {"rotation", 4}}, {"SCALE", {"scale", 3}}};
     const auto found = transforms.find(attribute);
     const bool transform = found != transforms.end();
     const auto [rows, columns] = shapeOf(document.json["accessors"][accessor]);
@@ -202,7 +208,9 @@ std::span<const unsigned char> viewBytes(const GltfDocument& document, size_t in
     return buffer.subspan(unsignedOr(views[index], "byteOffset", 0), views[index]["byteLength"].get<size_t>());
 }
 
-size_t accessorCount(const GltfDocument& document, size_t accessor) { return document.json["accessors"].at(accessor)["count"].get<size_t>(); }
+size_t accessorCount(const GltfDocument& document, size_t accessor) {
+    return document.json["accessors"].at(accessor)["count"].get<size_t>();
+}
 
 void checkAccessors(const GltfDocument& document) {
     const size_t count = listOf(document.json, "accessors").size();
@@ -244,7 +252,8 @@ GatheredAccessor gatherAccessor(const GltfDocument& document, size_t index, std:
     out.members["count"] = from.size();
     out.bytes.resize(from.size() * out.stride);
     for (size_t i = 0; i < from.size(); ++i) {
-        if (from[i] >= given.size() / size) throw Error(document.name + ": accessor " + std::to_string(index) + " does not have one element a vertex");
+        if (from[i] >= given.size() / size)
+            throw Error(document.name + ": accessor " + std::to_string(index) + " does not have one element a vertex");
         std::memcpy(&out.bytes[i * out.stride], &given[from[i] * size], size);
     }
     if (!accessor.contains("min") && !accessor.contains("max")) return out;
@@ -306,7 +315,9 @@ void expandInstancing(GltfDocument& document) {
     Json& nodes = document.json["nodes"];
     const size_t given = nodes.size();
     // How many a node stands for: as many as each of its attributes has.
-    auto attributesOf = [&](const Json& node) { return listOf(node, "extensions").contains(name) ? node["extensions"][name]["attributes"] : Json(); };
+    auto attributesOf = [&](const Json& node) {
+        return listOf(node, "extensions").contains(name) ? node["extensions"][name]["attributes"] : Json();
+    };
     auto countOf = [&](const Json& attributes) {
         std::optional<size_t> count;
         for (const Json& accessor : attributes) {
@@ -334,7 +345,8 @@ void expandInstancing(GltfDocument& document) {
                 for (Json& child : children) child[key] = nodes[n][key];
                 nodes[n].erase(key);
             }
-        for (const auto& attribute : attributes.items()) addInstanceValues(document, attribute.key(), attribute.value().get<size_t>(), children);
+        for (const auto& attribute : attributes.items())
+            addInstanceValues(document, attribute.key(), attribute.value().get<size_t>(), children);
         for (Json& child : children) {
             nodes[n]["children"].push_back(nodes.size());
             nodes.push_back(std::move(child));

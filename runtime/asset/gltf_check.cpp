@@ -31,16 +31,19 @@ public:
             text(image, "mimeType", where);
             index(image, "bufferView", "bufferViews", where);
         });
-        each(json_, "materials", "materials", [&](const Json& material, const std::string& where) { boolean(material, "doubleSided", where); });
+        each(json_, "materials", "materials",
+             [&](const Json& material, const std::string& where) { boolean(material, "doubleSided", where); });
         each(json_, "cameras", "cameras", [&](const Json& camera, const std::string& where) {
             text(camera, "type", where);
             if (const Json* perspective = object(camera, "perspective", where)) number(*perspective, "yfov", where);
         });
         each(json_, "meshes", "meshes", [&](const Json& mesh, const std::string& where) {
-            each(mesh, "primitives", where + ".primitives", [&](const Json& primitive, const std::string& at) { this->primitive(primitive, at); });
+            each(mesh, "primitives", where + ".primitives",
+                 [&](const Json& primitive, const std::string& at) { this->primitive(primitive, at); });
         });
         each(json_, "nodes", "nodes", [&](const Json& node, const std::string& where) { this->node(node, where); });
-        each(json_, "skins", "skins", [&](const Json& skin, const std::string& where) { index(skin, "inverseBindMatrices", "accessors", where); });
+        each(json_, "skins", "skins",
+             [&](const Json& skin, const std::string& where) { index(skin, "inverseBindMatrices", "accessors", where); });
         each(json_, "animations", "animations", [&](const Json& animation, const std::string& where) {
             each(animation, "samplers", where + ".samplers", [&](const Json& sampler, const std::string& at) {
                 for (const char* key : {"input", "output"}) index(sampler, key, "accessors", at);
@@ -71,8 +74,9 @@ private:
             for (const Json& extension : array(json_, key, "the document"))
                 if (!extension.is_string()) fail(key, "does not hold names");
         // Those that change what a reader must do to see the geometry as it is meant.
-        static const std::set<std::string> known{"KHR_mesh_quantization", "KHR_texture_transform", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
-                                                 "KHR_lights_punctual",   "KHR_texture_basisu",    "EXT_texture_webp"};
+        static const std::set<std::string> known{"KHR_mesh_quantization",   "KHR_texture_transform", "EXT_meshopt_compression",
+                                                 "EXT_mesh_gpu_instancing", "KHR_lights_punctual",   "KHR_texture_basisu",
+                                                 "EXT_texture_webp"};
         for (const Json& extension : listOf(json_, "extensionsRequired")) {
             const auto& needed = extension.get_ref<const std::string&>();
             if (!known.contains(needed) && !needed.starts_with("KHR_materials_"))
@@ -126,11 +130,13 @@ private:
     void primitive(const Json& primitive, const std::string& where) const {
         const Json* attributes = object(primitive, "attributes", where);
         if (!attributes) fail(where, "has no attributes");
-        for (const auto& attribute : attributes->items()) requiredIndex(*attributes, attribute.key().c_str(), "accessors", where + ".attributes");
+        for (const auto& attribute : attributes->items())
+            requiredIndex(*attributes, attribute.key().c_str(), "accessors", where + ".attributes");
         index(primitive, "indices", "accessors", where);
         index(primitive, "material", "materials", where);
         whole(primitive, "mode", where);
-        if (unsignedOr(primitive, "mode", kTriangles) > kTriangleFan) fail(where, "is of mode " + primitive["mode"].dump() + ", which there is none of");
+        if (unsignedOr(primitive, "mode", kTriangles) > kTriangleFan)
+            fail(where, "is of mode " + primitive["mode"].dump() + ", which there is none of");
         for (const Json& target : array(primitive, "targets", where)) {
             if (!target.is_object()) fail(where + ".targets", "does not hold objects");
             for (const auto& attribute : target.items()) requiredIndex(target, attribute.key().c_str(), "accessors", where + ".targets");
@@ -153,10 +159,12 @@ private:
         if (!instancing) return;
         const Json* attributes = object(*instancing, "attributes", where + "'s instancing");
         if (!attributes) fail(where + "'s instancing", "has no attributes");
-        for (const auto& attribute : attributes->items()) requiredIndex(*attributes, attribute.key().c_str(), "accessors", where + "'s instancing");
+        for (const auto& attribute : attributes->items())
+            requiredIndex(*attributes, attribute.key().c_str(), "accessors", where + "'s instancing");
     }
 
-    void each(const Json& holder, const char* key, const std::string& where, const std::function<void(const Json&, const std::string&)>& check) const {
+    void each(const Json& holder, const char* key, const std::string& where,
+              const std::function<void(const Json&, const std::string&)>& check) const {
         const Json& entries = array(holder, key, where);
         for (size_t i = 0; i < entries.size(); ++i) {
             const std::string at = where + "[" + std::to_string(i) + "]";
@@ -204,7 +212,8 @@ private:
             return;
         }
         const double value = found->is_number() ? found->get<double>() : -1;
-        if (!(value >= 0 && value <= kLargestWhole && value == std::floor(value))) fail(where + "." + key, "is not a whole number from 0 on");
+        if (!(value >= 0 && value <= kLargestWhole && value == std::floor(value)))
+            fail(where + "." + key, "is not a whole number from 0 on");
     }
 
     void index(const Json& holder, const char* key, const char* list, const std::string& where) const {
@@ -219,15 +228,15 @@ private:
     void indices(const Json& holder, const char* key, const char* list, const std::string& where) const {
         for (const Json& entry : array(holder, key, where)) {
             const double value = entry.is_number() ? entry.get<double>() : -1;
-            if (!(value >= 0 && value <= kLargestWhole && value == std::floor(value))) fail(where + "." + key, "does not hold whole numbers");
+            if (!(value >= 0 && value <= kLargestWhole && value == std::floor(value)))
+                fail(where + "." + key, "does not hold whole numbers");
             requireElement(entry, list, where + "." + key);
         }
     }
 
     void requireElement(const Json& value, const char* list, const std::string& where) const {
         const size_t count = array(json_, list, "the document").size();
-        if (value.get<size_t>() >= count)
-            fail(where, "is " + value.dump() + ", but there are " + std::to_string(count) + " " + list);
+        if (value.get<size_t>() >= count) fail(where, "is " + value.dump() + ", but there are " + std::to_string(count) + " " + list);
     }
 
     const Json& json_;

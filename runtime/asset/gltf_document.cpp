@@ -96,8 +96,10 @@ void readBuffers(GltfDocument& document, const GltfContainer& container, UriRead
             document.buffers.push_back(std::move(bytes));
         } else if (i == 0 && container.isBinary) {
             if (container.binary.size() < length)
-                throw Error(where + " has " + std::to_string(container.binary.size()) + " bytes in the file where it says " + std::to_string(length));
-            document.buffers.push_back(std::make_shared<const Bytes>(container.binary.begin(), container.binary.begin() + ptrdiff_t(length)));
+                throw Error(where + " has " + std::to_string(container.binary.size()) + " bytes in the file where it says "
+                            + std::to_string(length));
+            document.buffers.push_back(
+                std::make_shared<const Bytes>(container.binary.begin(), container.binary.begin() + ptrdiff_t(length)));
         } else {
             throw Error(where + " has no data");
         }
@@ -144,12 +146,14 @@ GltfContainer splitContainer(std::span<const unsigned char> bytes, const std::st
     if (bytes.size() < 20 || wordAt(bytes, 8) != bytes.size() || wordAt(bytes, 12) > bytes.size() - 20)
         throw Error(name + ": truncated or damaged: " + std::to_string(bytes.size()) + " bytes where the header says "
                     + std::to_string(bytes.size() >= 12 ? wordAt(bytes, 8) : 12));
-    if (wordAt(bytes, 4) != 2) throw Error(name + ": is binary glTF of version " + std::to_string(wordAt(bytes, 4)) + "; version 2 is read");
+    if (wordAt(bytes, 4) != 2)
+        throw Error(name + ": is binary glTF of version " + std::to_string(wordAt(bytes, 4)) + "; version 2 is read");
     if (wordAt(bytes, 16) != kJsonChunk) throw Error(name + ": not a valid glTF file: its first chunk is not JSON");
     GltfContainer out{bytes.subspan(20, wordAt(bytes, 12)), {}, true};
     const size_t next = 20 + out.json.size();
     if (next + 8 <= bytes.size() && wordAt(bytes, next + 4) == kBinaryChunk) {
-        if (wordAt(bytes, next) > bytes.size() - next - 8) throw Error(name + ": truncated or damaged: its binary chunk reaches behind the file's end");
+        if (wordAt(bytes, next) > bytes.size() - next - 8)
+            throw Error(name + ": truncated or damaged: its binary chunk reaches behind the file's end");
         out.binary = bytes.subspan(next + 8, wordAt(bytes, next));
         out.hasMore = next + 8 + out.binary.size() + 8 <= bytes.size();
     } else {

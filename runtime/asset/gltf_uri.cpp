@@ -54,7 +54,9 @@ std::optional<std::string> decodePercent(std::string_view text) {
 
 // The name of a URI's scheme (RFC 3986, 3.1), or nothing where it is a relative reference.
 std::string_view schemeOf(std::string_view uri) {
-    const size_t end = std::find_if(uri.begin(), uri.end(), [](char c) { return !std::isalnum(uint8_t(c)) && c != '+' && c != '-' && c != '.'; }) - uri.begin();
+    const size_t end = std::find_if(uri.begin(), uri.end(),
+                                    [](char c) { return !std::isalnum(uint8_t(c)) && c != '+' && c != '-' && c != '.'; })
+                     - uri.begin();
     const bool scheme = end > 0 && end < uri.size() && uri[end] == ':' && std::isalpha(uint8_t(uri[0]));
     return scheme ? uri.substr(0, end) : std::string_view();
 }
@@ -92,7 +94,8 @@ std::optional<Bytes> readUri(const UriSource& source, std::optional<size_t> leng
     if (source.isData()) {
         const std::string_view uri = source.uri;
         const size_t comma = uri.find(',');
-        if (comma == std::string::npos || !uri.substr(0, comma).ends_with(";base64")) throw refusal(source.uri, name, "holds no base64 data");
+        if (comma == std::string::npos || !uri.substr(0, comma).ends_with(";base64"))
+            throw refusal(source.uri, name, "holds no base64 data");
         std::optional<Bytes> decoded = decodeBase64(uri.substr(comma + 1));
         if (!decoded) throw refusal(source.uri, name, "holds damaged base64 data");
         bytes = std::move(*decoded);
@@ -105,7 +108,8 @@ std::optional<Bytes> readUri(const UriSource& source, std::optional<size_t> leng
         }
     }
     if (length && bytes.size() != *length)
-        throw refusal(source.uri, name, "holds " + std::to_string(bytes.size()) + " bytes where the document says " + std::to_string(*length));
+        throw refusal(source.uri, name,
+                      "holds " + std::to_string(bytes.size()) + " bytes where the document says " + std::to_string(*length));
     return bytes;
 }
 

@@ -81,8 +81,9 @@ void removeElements(Json& list, const std::set<size_t>& indices, const std::func
 bool onlyKnownExtensions(const Json& json) {
     for (const Json& extension : listOf(json, "extensionsUsed")) {
         const auto& name = extension.get_ref<const std::string&>();
-        static const std::set<std::string> harmless{"KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "KHR_texture_basisu",
-                                                    "EXT_texture_webp",      "MSFT_texture_dds",      "KHR_xmp_json_ld"};
+        static const std::set<std::string> harmless{"KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual",
+                                                    "KHR_texture_basisu",    "EXT_texture_webp",      "MSFT_texture_dds",
+                                                    "KHR_xmp_json_ld"};
         if (!harmless.contains(name) && !name.starts_with("KHR_materials_")) return false;
     }
     return true;
@@ -202,7 +203,8 @@ std::vector<std::span<const unsigned char>> GltfWriter::packBuffers() {
         const size_t buffer = first.try_emplace(buffers_[given].get(), given).first->second;
         uses.push_back({buffer, begin, begin + views[i]["byteLength"].get<size_t>(), i});
     }
-    std::stable_sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return std::tie(a.buffer, a.begin) < std::tie(b.buffer, b.begin); });
+    std::stable_sort(uses.begin(), uses.end(),
+                     [](const Use& a, const Use& b) { return std::tie(a.buffer, a.begin) < std::tie(b.buffer, b.begin); });
     // Views that overlap, or touch but for padding, stay together; in the order of the first of them.
     std::map<size_t, std::vector<Use>> groups;
     for (size_t i = 0; i < uses.size();) {

@@ -33,7 +33,8 @@ std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelPa
     const bool chosen = model.kind == ModelKind::Choice;
     if (chosen)
         for (const ModelParams& params : allParams)
-            out.push_back(std::byte(chosenModel(model, params).autoTag) | (choiceIn(params[CHOICE_SLOT]).outOfReach ? kOutOfReach : std::byte(0)));
+            out.push_back(std::byte(chosenModel(model, params).autoTag)
+                          | (choiceIn(params[CHOICE_SLOT]).outOfReach ? kOutOfReach : std::byte(0)));
     float numbers[kMostNumbers];
     for (const ModelParams& params : allParams) {
         const Model& own = chosenModel(model, params);
@@ -44,7 +45,8 @@ std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelPa
     return out;
 }
 
-std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld, int bits) {
+std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld,
+                                         int bits) {
     std::span<const unsigned char> tags;
     const bool chosen = model.kind == ModelKind::Choice;
     if (chosen) {

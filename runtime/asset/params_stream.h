@@ -18,6 +18,7 @@ std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelPa
 
 // Parameters of `count` vertices, turned by `toWorld`. Throws Error with the cause (the caller names the file) where the bytes
 // are too few, too many, or name a choice that is none.
-std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld, int bits);
+std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld,
+                                         int bits);
 
 }  // namespace apertura

@@ -2,7 +2,8 @@
 
 namespace apertura {
 
-WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instance, int triangle, const glm::vec3& barycentrics, const glm::vec3& normal) {
+WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instance, int triangle, const glm::vec3& barycentrics,
+                             const glm::vec3& normal) {
     const Instance& placed = asset.scene.instances[size_t(instance)];
     const Surface& surface = asset.scene.surfaces[size_t(placed.surface)];
     const SeenByInstance& seen = asset.seen[size_t(instance)];

@@ -15,6 +15,7 @@ using WeightedReceivers = std::vector<std::pair<float, Receiver>>;
 
 // At a point of a triangle, which the asset holds `model` of. `barycentrics` as of surfaceAt; `normal` (unit, world) is what
 // is lit.
-WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instance, int triangle, const glm::vec3& barycentrics, const glm::vec3& normal);
+WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instance, int triangle, const glm::vec3& barycentrics,
+                             const glm::vec3& normal);
 
 }  // namespace apertura

@@ -14,9 +14,9 @@
 namespace apertura {
 namespace {
 
-constexpr float kFarthest = 1e15f;  // metres; beyond, squares of lengths leave float32
-constexpr double kSingular = 1e-300;          // determinants up to this
-constexpr double kPlaneSteps = 4096;          // of a normal's components: planes nearer than that are one
+constexpr float kFarthest = 1e15f;    // metres; beyond, squares of lengths leave float32
+constexpr double kSingular = 1e-300;  // determinants up to this
+constexpr double kPlaneSteps = 4096;  // of a normal's components: planes nearer than that are one
 // While baking, measured: the point, the four numbers and a model's parameters; and in the tracer.
 constexpr double kBytesAVertex = 150, kBytesATriangle = 150;
 
@@ -71,7 +71,8 @@ Camera viewOf(const Scene& scene) {
     float distance = 1e-6f;
     for (int corner = 0; corner < 8; ++corner) {
         const glm::vec3 p = glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                      corner & 4 ? box.high.z : box.low.z) - camera.target;
+                                      corner & 4 ? box.high.z : box.low.z)
+                          - camera.target;
         const float needed = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / 1.5f) / tangent;
         distance = std::max(distance, glm::dot(p, back) + needed);
     }
@@ -138,7 +139,11 @@ void makeFlat(Surface& surface) {
         int16_t x, y, z;
         bool operator==(const Part&) const = default;
     };
-    const auto hash = [](const Part& p) { return size_t((((p.vertex * 31ull + uint16_t(p.x)) * 0x9E3779B97F4A7C15ull + uint16_t(p.y)) * 31 + uint16_t(p.z)) * 0x9E3779B97F4A7C15ull >> 8); };
+    const auto hash = [](const Part& p) {
+        return size_t((((p.vertex * 31ull + uint16_t(p.x)) * 0x9E3779B97F4A7C15ull + uint16_t(p.y)) * 31 + uint16_t(p.z))
+                          * 0x9E3779B97F4A7C15ull
+                      >> 8);
+    };
     std::unordered_map<Part, uint32_t, decltype(hash)> parts(surface.positions.size(), hash);
     const std::vector<glm::vec3> given = std::move(surface.positions);
     std::vector<uint32_t> any(given.size(), UINT32_MAX);
@@ -147,7 +152,8 @@ void makeFlat(Surface& surface) {
     surface.splitFrom.clear();
     auto split = [&](uint32_t from, const glm::dvec3& normal) {
         const auto round = [](double x) { return int16_t(std::lround(x * kPlaneSteps)); };
-        const auto [part, fresh] = parts.try_emplace({from, round(normal.x), round(normal.y), round(normal.z)}, uint32_t(surface.positions.size()));
+        const auto [part, fresh] = parts.try_emplace({from, round(normal.x), round(normal.y), round(normal.z)},
+                                                     uint32_t(surface.positions.size()));
         if (fresh) {
             surface.positions.push_back(given[from]);
             surface.normals.emplace_back(normal);
@@ -188,21 +194,20 @@ void validate(const Scene& scene) {
     for (const Instance& instance : scene.instances) vertices += double(scene.surfaces[size_t(instance.surface)].positions.size());
     double triangles = 0;
     for (const Surface& surface : scene.surfaces) triangles += double(surface.triangles.size());
-    requireMemory(scene.name, "its " + std::to_string(scene.instances.size()) + " instances", vertices * kBytesAVertex + triangles * kBytesATriangle);
+    requireMemory(scene.name, "its " + std::to_string(scene.instances.size()) + " instances",
+                  vertices * kBytesAVertex + triangles * kBytesATriangle);
     for (const Surface& surface : scene.surfaces) {
         for (const glm::vec3& p : surface.positions)
             if (!finite(p)) throw Error(scene.name + ": a vertex position is not a finite number");
         for (const auto& triangle : surface.triangles)
             for (uint32_t index : triangle)
                 if (index >= surface.positions.size())
-                    throw Error(scene.name + ": triangle index " + std::to_string(index)
-                                + " is out of range, there are " + std::to_string(surface.positions.size())
-                                + " vertices");
+                    throw Error(scene.name + ": triangle index " + std::to_string(index) + " is out of range, there are "
+                                + std::to_string(surface.positions.size()) + " vertices");
     }
     for (const Instance& instance : scene.instances)
         for (int c = 0; c < 4; ++c)
-            if (!finite(glm::vec3(instance.toWorld[c])))
-                throw Error(scene.name + ": a node transform is not finite");
+            if (!finite(glm::vec3(instance.toWorld[c]))) throw Error(scene.name + ": a node transform is not finite");
     const Box box = worldBounds(scene);
     const float reach = std::max(glm::length(box.low), glm::length(box.high));
     if (!(reach < kFarthest)) throw Error(scene.name + ": a vertex lies farther than 1e15 m from the origin");

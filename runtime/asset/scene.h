@@ -17,9 +17,9 @@ struct Surface {
     std::vector<glm::vec3> positions;  // metres
     std::vector<glm::vec3> normals;    // unit, one a position
     std::vector<std::array<uint32_t, 3>> triangles;
-    bool normalsMade = false;  // not as the file has them: it has none, or none that are unit
+    bool normalsMade = false;         // not as the file has them: it has none, or none that are unit
     std::vector<uint32_t> splitFrom;  // where vertices were split: the file's vertex that each came from; else empty
-    bool twoSided = false;     // its material is seen from both sides: nothing is inside of it
+    bool twoSided = false;            // its material is seen from both sides: nothing is inside of it
 };
 
 struct Instance {

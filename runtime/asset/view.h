@@ -9,8 +9,8 @@ namespace apertura {
 
 struct View {
     Camera camera;
-    int width = 960, height = 540;  // pixels; each is the mean of 2 x 2 samples
-    std::vector<Light> lights;      // at most MAX_LIGHTS
+    int width = 960, height = 540;      // pixels; each is the mean of 2 x 2 samples
+    std::vector<Light> lights;          // at most MAX_LIGHTS
     glm::vec3 sky{0.11f, 0.2f, 0.42f};  // radiance, W/m2/sr
     glm::vec3 albedo{0.8f};
 };

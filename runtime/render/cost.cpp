@@ -20,7 +20,8 @@ GpuBindings makeBindings(const Gpu& gpu, const GpuBuffer* points, const GpuBuffe
     return {gpu, bindings};
 }
 
-std::vector<vk::raii::Pipeline> makePipelines(const Gpu& gpu, std::span<const CostCase> cases, const GpuBindings& bindings, vk::PipelineCreateFlags flags) {
+std::vector<vk::raii::Pipeline> makePipelines(const Gpu& gpu, std::span<const CostCase> cases, const GpuBindings& bindings,
+                                              vk::PipelineCreateFlags flags) {
     std::vector<vk::raii::Pipeline> out;
     for (const CostCase& c : cases) {
         const int32_t constants[] = {c.model, c.lightClass, models()[size_t(c.model)].slots, c.sky};
@@ -94,7 +95,10 @@ std::vector<double> measuredCosts(const Gpu& gpu, std::span<const CostCase> case
                 commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool, 1);
             });
             const auto ticks = checked([&] {
-                return pool.getResults<uint64_t>(0, 2, 2 * sizeof(uint64_t), sizeof(uint64_t), vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait).second;
+                return pool
+                    .getResults<uint64_t>(0, 2, 2 * sizeof(uint64_t), sizeof(uint64_t),
+                                          vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait)
+                    .second;
             });
             least[i] = std::min(least[i], std::max(double(ticks[1] - ticks[0]), 1.0) * gpu.clockTick());
         }

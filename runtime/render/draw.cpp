@@ -22,24 +22,25 @@ vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, cons
     const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = shades ? 1u : 0u, .pAttachments = &attachment};
     const vk::DynamicState changing[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor};
     const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = uint32_t(std::size(changing)), .pDynamicStates = changing};
-    const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = blend.attachmentCount,
-                                                    .pColorAttachmentFormats = &colour,
-                                                    .depthAttachmentFormat = kDepthFormat};
-    return make<vk::raii::Pipeline>(gpu, nullptr, vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
-                                                                                 .stageCount = shades ? 2u : 1u,
-                                                                                 .pStages = stages,
-                                                                                 .pVertexInputState = &input,
-                                                                                 .pInputAssemblyState = &assembly,
-                                                                                 .pViewportState = &viewport,
-                                                                                 .pRasterizationState = &raster,
-                                                                                 .pMultisampleState = &samples,
-                                                                                 .pDepthStencilState = &depth,
-                                                                                 .pColorBlendState = &blend,
-                                                                                 .pDynamicState = &dynamic,
-                                                                                 .layout = bindings.layout()});
+    const vk::PipelineRenderingCreateInfo rendering{
+        .colorAttachmentCount = blend.attachmentCount, .pColorAttachmentFormats = &colour, .depthAttachmentFormat = kDepthFormat};
+    return make<vk::raii::Pipeline>(gpu, nullptr,
+                                    vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
+                                                                   .stageCount = shades ? 2u : 1u,
+                                                                   .pStages = stages,
+                                                                   .pVertexInputState = &input,
+                                                                   .pInputAssemblyState = &assembly,
+                                                                   .pViewportState = &viewport,
+                                                                   .pRasterizationState = &raster,
+                                                                   .pMultisampleState = &samples,
+                                                                   .pDepthStencilState = &depth,
+                                                                   .pColorBlendState = &blend,
+                                                                   .pDynamicState = &dynamic,
+                                                                   .layout = bindings.layout()});
 }
 
-void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, const DrawPass& pass, uint32_t vertices) {
+void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, const DrawPass& pass,
+                   uint32_t vertices) {
     const bool hasColour = target.colour;
     const vk::RenderingAttachmentInfo colour{.imageView = target.colour,
                                              .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
@@ -68,9 +69,11 @@ void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const
 Offscreen::Offscreen(const Gpu& gpu, vk::Extent2D size, vk::Format colour)
     : size_(size),
       format_(colour),
-      colour_(gpu, size, colour, vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eTransferSrc, vk::ImageAspectFlagBits::eColor),
+      colour_(gpu, size, colour, vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eTransferSrc,
+              vk::ImageAspectFlagBits::eColor),
       depth_(gpu, size, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment, vk::ImageAspectFlagBits::eDepth),
-      result_(gpu, VkDeviceSize(size.width) * size.height * sizeof(glm::vec4), vk::BufferUsageFlagBits::eTransferDst, GpuBuffer::Place::Host) {}
+      result_(gpu, VkDeviceSize(size.width) * size.height * sizeof(glm::vec4), vk::BufferUsageFlagBits::eTransferDst,
+              GpuBuffer::Place::Host) {}
 
 RenderTarget Offscreen::target() const { return {colour_.view(), VkFormat(format_), depth_.view(), size_}; }
 
@@ -81,9 +84,9 @@ void Offscreen::begin(vk::CommandBuffer commands) const {
 
 void Offscreen::end(vk::CommandBuffer commands) const {
     colour_.transition(commands, vk::ImageLayout::eColorAttachmentOptimal, vk::ImageLayout::eTransferSrcOptimal);
-    commands.copyImageToBuffer(colour_.handle(), vk::ImageLayout::eTransferSrcOptimal, result_.handle(),
-                               vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, 1},
-                                                   .imageExtent = {size_.width, size_.height, 1}});
+    commands.copyImageToBuffer(
+        colour_.handle(), vk::ImageLayout::eTransferSrcOptimal, result_.handle(),
+        vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, 1}, .imageExtent = {size_.width, size_.height, 1}});
     letHostRead(commands, vk::PipelineStageFlagBits2::eCopy, vk::AccessFlagBits2::eTransferWrite);
 }
 

@@ -26,8 +26,8 @@ std::vector<SceneVertex> toVertices(const Asset& asset, std::vector<uint32_t>& i
             const glm::vec3 n = normals * surface.normals[v];
             const float length = glm::length(n);
             const Visibility& seen = asset.seen[i].visibility[v];
-            out.push_back({instance.toWorld * glm::vec4(surface.positions[v], 1),
-                           vec4(length > 0 ? n / length : glm::vec3(0, 1, 0), 0), vec4(seen.direction, seen.area)});
+            out.push_back({instance.toWorld * glm::vec4(surface.positions[v], 1), vec4(length > 0 ? n / length : glm::vec3(0, 1, 0), 0),
+                           vec4(seen.direction, seen.area)});
         }
         for (const auto& t : surface.triangles)
             for (uint32_t index : t) indices.push_back(first + index);
@@ -38,8 +38,8 @@ std::vector<SceneVertex> toVertices(const Asset& asset, std::vector<uint32_t>& i
 GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const Model& model) {
     const bool stored = storedModel(asset.info) == &model;
     if (!stored && !model.fromVisibility)
-        throw Error(asset.scene.name + ": was baked with --model " + asset.info.model + " and does not hold "
-                    + std::string(model.name) + "; bake it with --model " + std::string(model.name));
+        throw Error(asset.scene.name + ": was baked with --model " + asset.info.model + " and does not hold " + std::string(model.name)
+                    + "; bake it with --model " + std::string(model.name));
     std::vector<vec4> slots;
     for (size_t i = 0; i < asset.scene.instances.size() && model.slots > 0; ++i) {
         const Instance& instance = asset.scene.instances[i];
@@ -50,7 +50,7 @@ GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const Model& model) {
             const glm::vec3 n = normals * surface.normals[v];
             const float length = glm::length(n);
             const ModelParams params = toParams(model, seen.visibility[v], stored && !seen.allParams.empty() ? &seen.allParams[v] : nullptr,
-                                     length > 0 ? n / length : glm::vec3(0, 1, 0));
+                                                length > 0 ? n / length : glm::vec3(0, 1, 0));
             slots.insert(slots.end(), params.begin(), params.begin() + model.slots);
         }
     }
@@ -97,7 +97,7 @@ struct Renderer::Parts {
     GpuBuffer vertices, indices;
     PerFrame<Frame> lit;
     std::optional<ShadowMap> shadow;
-    std::map<int, AllParams> allParams;                                     // by model
+    std::map<int, AllParams> allParams;                                      // by model
     std::map<std::tuple<int, int, VkFormat>, vk::raii::Pipeline> pipelines;  // by model, class of lights and format
 };
 
@@ -154,12 +154,14 @@ void Renderer::record(VkCommandBuffer commands, const RenderTarget& target, cons
         throw Error("the renderer is not prepared for " + std::string(model.name) + " with these lights and this format");
     parts_->light(frame, view, target.size);
     const uint32_t offset = PerFrame<Frame>::offset(frame);
-    drawTriangles(commands, target, view.sky, {*pipeline->second, parts_->allParams.at(model.id).bindings, {&offset, 1}}, parts_->indexCount);
+    drawTriangles(commands, target, view.sky, {*pipeline->second, parts_->allParams.at(model.id).bindings, {&offset, 1}},
+                  parts_->indexCount);
 }
 
 Picture Renderer::draw(const View& view, const Model& model) {
     prepare(model, lightClassOf(view), kPictureFormat);
-    return parts_->picture(view, [&](VkCommandBuffer commands, const RenderTarget& target) { record(commands, target, view, model, parts_->frames); });
+    return parts_->picture(
+        view, [&](VkCommandBuffer commands, const RenderTarget& target) { record(commands, target, view, model, parts_->frames); });
 }
 
 void Renderer::prepareShadowMapped(VkFormat format) {
@@ -177,14 +179,14 @@ void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& 
 
 Picture Renderer::drawShadowMapped(const View& view) {
     prepareShadowMapped(kPictureFormat);
-    return parts_->picture(view, [&](VkCommandBuffer commands, const RenderTarget& target) { recordShadowMapped(commands, target, view, parts_->frames); });
+    return parts_->picture(
+        view, [&](VkCommandBuffer commands, const RenderTarget& target) { recordShadowMapped(commands, target, view, parts_->frames); });
 }
 
 Picture Renderer::Parts::picture(const View& view, const std::function<void(VkCommandBuffer, const RenderTarget&)>& record) const {
     const vk::Extent2D size{uint32_t(view.width) * 2, uint32_t(view.height) * 2};
     if (std::max(size.width, size.height) > gpu.largestImage())
-        throw Error("Vulkan: " + gpu.name() + " draws pictures of at most " + std::to_string(gpu.largestImage() / 2)
-                    + " pixels a side");
+        throw Error("Vulkan: " + gpu.name() + " draws pictures of at most " + std::to_string(gpu.largestImage() / 2) + " pixels a side");
     const Offscreen images(gpu, size, vk::Format(kPictureFormat));
     gpu.run([&](VkCommandBuffer commands) {
         images.begin(commands);

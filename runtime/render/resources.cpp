@@ -46,10 +46,9 @@ GpuImage::GpuImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, vk::Ima
       aspect_(aspect) {
     memory_ = allocate(gpu, image_.getMemoryRequirements(), vk::MemoryPropertyFlagBits::eDeviceLocal);
     checked([&] { image_.bindMemory(*memory_, 0); });
-    view_ = make<vk::raii::ImageView>(gpu, vk::ImageViewCreateInfo{.image = *image_,
-                                                                   .viewType = vk::ImageViewType::e2D,
-                                                                   .format = format,
-                                                                   .subresourceRange = {aspect, 0, 1, 0, 1}});
+    view_ = make<vk::raii::ImageView>(
+        gpu, vk::ImageViewCreateInfo{
+                 .image = *image_, .viewType = vk::ImageViewType::e2D, .format = format, .subresourceRange = {aspect, 0, 1, 0, 1}});
 }
 
 void GpuImage::transition(vk::CommandBuffer commands, vk::ImageLayout from, vk::ImageLayout to) const {
@@ -112,7 +111,8 @@ void GpuBindings::bind(vk::CommandBuffer commands, vk::PipelineBindPoint point, 
 
 Constants::Constants(std::span<const int32_t> values) {
     for (uint32_t i = 0; i < values.size(); ++i) entries.push_back({i, uint32_t(i * sizeof(int32_t)), sizeof(int32_t)});
-    info = {.mapEntryCount = uint32_t(entries.size()), .pMapEntries = entries.data(), .dataSize = values.size_bytes(), .pData = values.data()};
+    info = {
+        .mapEntryCount = uint32_t(entries.size()), .pMapEntries = entries.data(), .dataSize = values.size_bytes(), .pData = values.data()};
 }
 
 vk::raii::ShaderModule makeShader(const Gpu& gpu, std::span<const uint32_t> words) {
@@ -123,12 +123,12 @@ vk::raii::Pipeline makeComputePipeline(const Gpu& gpu, std::span<const uint32_t>
                                        const GpuBindings& bindings, vk::PipelineCreateFlags flags) {
     const vk::raii::ShaderModule shader = makeShader(gpu, words);
     const Constants values(constants);
-    return make<vk::raii::Pipeline>(gpu, nullptr, vk::ComputePipelineCreateInfo{.flags = flags,
-                                                                               .stage = {.stage = vk::ShaderStageFlagBits::eCompute,
-                                                                                         .module = *shader,
-                                                                                         .pName = "main",
-                                                                                         .pSpecializationInfo = &values.info},
-                                                                               .layout = bindings.layout()});
+    return make<vk::raii::Pipeline>(
+        gpu, nullptr,
+        vk::ComputePipelineCreateInfo{
+            .flags = flags,
+            .stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *shader, .pName = "main", .pSpecializationInfo = &values.info},
+            .layout = bindings.layout()});
 }
 
 }  // namespace apertura

@@ -88,7 +88,7 @@ public:
         vk::DescriptorType type;
         vk::ShaderStageFlags stages;
         const GpuBuffer* buffer;
-        const GpuImage* image = nullptr;  // in SHADER_READ_ONLY_OPTIMAL, instead of a buffer
+        const GpuImage* image = nullptr;     // in SHADER_READ_ONLY_OPTIMAL, instead of a buffer
         VkDeviceSize range = VK_WHOLE_SIZE;  // of the buffer, bytes
     };
     GpuBindings(const Gpu& gpu, std::span<const Binding> bindings);
@@ -113,7 +113,9 @@ public:
 
     // In whole 256 bytes, the most that Vulkan lets a device ask for.
     static uint32_t offset(int frame) { return uint32_t(frame) * ((sizeof(T) + 255) / 256 * 256); }
-    void set(int frame, const T& value) const { std::memcpy(static_cast<std::byte*>(buffer_.data()) + offset(frame), &value, sizeof value); }
+    void set(int frame, const T& value) const {
+        std::memcpy(static_cast<std::byte*>(buffer_.data()) + offset(frame), &value, sizeof value);
+    }
     GpuBindings::Binding binding(vk::ShaderStageFlags stages) const {
         return {vk::DescriptorType::eUniformBufferDynamic, stages, &buffer_, nullptr, sizeof(T)};
     }

@@ -50,9 +50,11 @@ ShadowView seenFrom(const Light& light, const Box& bounds) {
 
 }  // namespace
 
-ShadowMap::ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds, int frames)
+ShadowMap::ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds,
+                     int frames)
     : bounds_(bounds),
-      map_(gpu, {kTexels, kTexels}, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eSampled, vk::ImageAspectFlagBits::eDepth),
+      map_(gpu, {kTexels, kTexels}, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eSampled,
+           vk::ImageAspectFlagBits::eDepth),
       seen_(gpu, frames),
       bindings_(makeBindings(gpu, {lit.binding(kBoth), storage(vertices), storage(indices), seen_.binding(kBoth)}, &map_)),
       mapBindings_(makeBindings(gpu, {lit.binding(kBoth), storage(vertices), storage(indices), seen_.binding(kBoth)}, nullptr)),

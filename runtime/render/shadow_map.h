@@ -10,7 +10,8 @@ namespace apertura {
 class ShadowMap {
 public:
     // Over the renderer's buffers, which must outlive it; `bounds` is the scene's, metres.
-    ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds, int frames);
+    ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds,
+              int frames);
 
     // Makes the pipeline for targets of this format.
     void prepare(const Gpu& gpu, VkFormat format);

@@ -49,8 +49,12 @@ void makeInstance(GpuHandles& out, bool validate) {
         const auto layers = out.context.enumerateInstanceLayerProperties();
         if (std::none_of(layers.begin(), layers.end(), [](const auto& l) { return std::strcmp(l.layerName, kValidation) == 0; }))
             throw Error("Vulkan: the validation layer is not installed");
-        instance = {.pNext = &messenger, .pApplicationInfo = &application, .enabledLayerCount = 1, .ppEnabledLayerNames = &kValidation,
-                    .enabledExtensionCount = 1, .ppEnabledExtensionNames = &extension};
+        instance = {.pNext = &messenger,
+                    .pApplicationInfo = &application,
+                    .enabledLayerCount = 1,
+                    .ppEnabledLayerNames = &kValidation,
+                    .enabledExtensionCount = 1,
+                    .ppEnabledExtensionNames = &extension};
     }
     out.instance = vk::raii::Instance(out.context, instance);
     if (validate) out.messenger = vk::raii::DebugUtilsMessengerEXT(out.instance, messenger);
@@ -74,7 +78,8 @@ void makeDevice(GpuHandles& out, bool half, bool statistics) {
                                                                      .enabledExtensionCount = statistics ? 1u : 0u,
                                                                      .ppEnabledExtensionNames = &extension});
     out.queue = vk::raii::Queue(out.device, family, 0);
-    out.pool = vk::raii::CommandPool(out.device, vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eTransient, .queueFamilyIndex = family});
+    out.pool = vk::raii::CommandPool(
+        out.device, vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eTransient, .queueFamilyIndex = family});
 }
 
 }  // namespace

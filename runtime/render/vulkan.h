@@ -11,7 +11,7 @@
 namespace apertura {
 
 struct GpuOptions {
-    bool validate = false;  // load VK_LAYER_KHRONOS_validation and keep its messages
+    bool validate = false;    // load VK_LAYER_KHRONOS_validation and keep its messages
     bool statistics = false;  // enable VK_KHR_pipeline_executable_properties
 };
 
@@ -25,9 +25,9 @@ public:
 
     const GpuHandles& handles() const { return *handles_; }
     const std::string& name() const { return name_; }
-    uint32_t largestImage() const { return largestImage_; }  // pixels a side
-    bool hasHalf() const { return hasHalf_; }  // shaders may compute in 16-bit floats
-    double clockTick() const { return clockTick_; }         // seconds a timestamp; 0 where there are none
+    uint32_t largestImage() const { return largestImage_; }        // pixels a side
+    bool hasHalf() const { return hasHalf_; }                      // shaders may compute in 16-bit floats
+    double clockTick() const { return clockTick_; }                // seconds a timestamp; 0 where there are none
     VkDeviceSize largestBuffer() const { return largestBuffer_; }  // bytes that a shader can read
     // Warnings and errors of the validation layer so far.
     const std::vector<std::string>& messages() const;
