@@ -20,6 +20,7 @@ constexpr float lplarge(double x) { return float(x); }
 #include "shaders/frame.glsl"
 #include "shaders/models.glsl"
 #include "shaders/shadow.glsl"
+#include "shaders/visible.glsl"
 #undef APERTURA_CPP
 #undef APERTURA_FN
 #undef APERTURA_STD140

@@ -119,6 +119,67 @@ TEST(Edges, CapsOneUponTheOtherCountOnce) {
     }
 }
 
+// The mean of the product of two visibilities over one light, against its quadrature; a blocker whose edge is the baked one takes
+// hardly more away than the softness of that edge does.
+TEST(Edges, VisibilitiesOfOneLightAreCorrelated) {
+    Random random(75);
+    double both = 0, plain = 0, twice = 0, plainTwice = 0;
+    const int trials = 2000;
+    for (int i = 0; i < trials; ++i) {
+        const double radius = random(1, 9) * pi / 180;
+        const dvec3 axis = normalize(dvec3(random(-0.2, 0.2), random(-0.2, 0.2), 1));
+        const CapLight light = capLight(axis, radius);
+        vec4 lobe[2];
+        LightVisibility seen[2];
+        for (int k = 0; k < 2; ++k) {
+            const vec3 slope = kHardSharpness * vec3(random.direction());
+            lobe[k] = vec4(slope, kHardSharpness * light.sinRadius * float(random(-1, 1)) - dot(slope, light.axis));
+            Receiver receiver{vec3(0, 0, 1), vec4(0, 0, 3, 6), {}};
+            receiver.params[0] = lobe[k];
+            seen[k] = visibilityOfLight(MODEL_SOFT, receiver, light, LIGHTS_MEDIUM);
+        }
+        double product = 0, square = 0;
+        const int samples = 500;
+        for (const dvec3& direction : directionsIn(axis, radius, samples)) {
+            const vec3 w(direction);
+            const double first = softStep(lobe[0].w + dot(vec3(lobe[0]), w)), second = softStep(lobe[1].w + dot(vec3(lobe[1]), w));
+            product += first * second / samples, square += first * first / samples;
+        }
+        both += std::pow(meanOfBoth(seen[0], seen[1], light) - product, 2), plain += std::pow(seen[0].mean * seen[1].mean - product, 2);
+        twice += std::pow(meanOfBoth(seen[0], seen[0], light) - square, 2), plainTwice += std::pow(seen[0].mean * seen[0].mean - square, 2);
+    }
+    std::printf("two edges: rms %.4f, product of means %.4f; one edge twice: %.4f, %.4f\n", std::sqrt(both / trials),
+                std::sqrt(plain / trials), std::sqrt(twice / trials), std::sqrt(plainTwice / trials));
+    EXPECT_LE(std::sqrt(both / trials), 0.042);
+    EXPECT_GE(std::sqrt(plain / trials), 0.05);
+    EXPECT_LE(std::sqrt(twice / trials), 0.052);
+    EXPECT_GE(std::sqrt(plainTwice / trials), 0.1);
+}
+
+// The slope of several lobes is the gradient of what they let through.
+TEST(Edges, TheSlopeOfLobesIsTheirGradient) {
+    Random random(76);
+    for (int i = 0; i < 2000; ++i) {
+        const int model = i % 3 == 0 ? MODEL_FIRM_2 : i % 3 == 1 ? MODEL_FIRM_3 : MODEL_FIRM_4, count = models()[size_t(model)].parts;
+        Receiver r{vec3(0, 0, 1), vec4(0, 0, 3, 6), {}};
+        const dvec3 axis = normalize(dvec3(random(-0.5, 0.5), random(-0.5, 0.5), 1));
+        for (int k = 0; k < count; ++k) {
+            const vec3 slope = 6.0f * vec3(random.direction());
+            r.params[k] = vec4(slope, float(random(-1, 1)) - dot(slope, vec3(axis)));
+        }
+        r.params[count] = withCombination(vec4(0), {float(i % 2), float(i / 7 % (count - 1))});
+        auto at = [&](const dvec3& w) { return visibilityOfLight(model, r, capLight(w, 1e-4), LIGHTS_SUN).mean; };
+        const CapLight light = capLight(axis, 1e-4);
+        const vec3 slope = visibilityOfLight(model, r, light, LIGHTS_SUN).slope;
+        const dvec3 side = normalize(cross(axis, random.direction()));
+        const double step = 1e-3, grown = (at(normalize(axis + step * side)) - at(normalize(axis - step * side))) / (2 * step);
+        // A step of slope s grows by s / 2 in its middle; each lobe's p (1 - p) stands for how near that is.
+        if (std::abs(grown) > 0.2) {
+            EXPECT_GT(grown * dot(dvec3(slope), side), 0) << model << " " << i;
+        }
+    }
+}
+
 // Whatever the formula for its disc errs by: through an opening of a degree comes at most what all of the sky sends.
 TEST(Edges, NoLargeLightBringsMoreThanTheSky) {
     const vec3 n(0, 0, 1);

@@ -156,12 +156,6 @@ struct Fitter {
     }
 };
 
-// Eigenvalues in rising order and unit eigenvectors.
-template <typename Matrix>
-auto principalAxes(const Matrix& symmetric) {
-    return Eigen::SelfAdjointEigenSolver<typename Matrix::PlainObject>().computeDirect(symmetric);
-}
-
 using Arrangement = std::vector<CapDictionary::Cap>;  // caps whose intersection is meant
 
 struct Cluster {
@@ -206,8 +200,13 @@ std::vector<Cluster> clusters(const Samples& samples, bool complement, int count
         auto size = [&](size_t c) { return spread[c][0][0] + spread[c][1][1] + spread[c][2][2]; };
         for (size_t c = 1; c < centre.size(); ++c)
             if (size(c) > size(widest)) widest = c;
-        const Eigen::Vector3f longest = principalAxes(Eigen::Map<const Eigen::Matrix3f>(&spread[widest][0].x)).eigenvectors().col(2);
-        const glm::vec3 axis(longest.x(), longest.y(), longest.z());
+        // The power method. Fits from Eigen's exact axis end at 0.998 to 1.000 of the error, one of them where multi-2 steps.
+        glm::vec3 axis(0.5f, 0.62f, 0.6f);
+        for (int n = 0; n < 12; ++n) {
+            const glm::vec3 next = spread[widest] * axis;
+            if (!(glm::length(next) > 1e-12f)) break;
+            axis = glm::normalize(next);
+        }
         for (size_t i = 0; i < at.size(); ++i)
             if (size_t(owner[i]) == widest && glm::dot(axis, at[i] - centre[widest]) > 0) owner[i] = int(centre.size());
         centre.push_back(centre[widest]);
@@ -231,7 +230,8 @@ CapDictionary::Cap capWithout(const Cluster& cluster) { return {-cluster.centre,
 std::array<CapDictionary::Cap, 2> lensAround(const Cluster& cluster) {
     const glm::vec3 c = cluster.centre, u = tangentTo(c), v = glm::cross(c, u);
     const float uv = glm::dot(u, cluster.spread * v);
-    const auto ellipse = principalAxes(Eigen::Matrix2f{{glm::dot(u, cluster.spread * u), uv}, {uv, glm::dot(v, cluster.spread * v)}});
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> ellipse;
+    ellipse.computeDirect(Eigen::Matrix2f{{glm::dot(u, cluster.spread * u), uv}, {uv, glm::dot(v, cluster.spread * v)}});
     const Eigen::Vector2f deviations = ellipse.eigenvalues().cwiseMax(0).cwiseSqrt(), longer = ellipse.eigenvectors().col(1);
     const glm::vec3 along = longer.x() * u + longer.y() * v, across = glm::cross(c, along);
     // The half axes of an even ellipse are twice its deviations.
