@@ -4,9 +4,9 @@
 
 namespace apertura {
 
-// The aperture with the visible area and mean direction of `v`. Exact when the open region is a cap;
-// otherwise the axis is the region's centroid and the fourth number, |D|, is not used.
-// Closed, or open alike all around: the axis is `normal` (unit).
+// The spherical cap with the visible area of `v` about its mean direction. Exact when the open region is a cap; the
+// fourth number, |D|, is not used.
+//   normal  unit; it is the axis where |D| is at most 0.001 A: nothing is open, or all sides are open alike
 Aperture toAperture(const Visibility& v, const vec3& normal);
 
 }  // namespace apertura

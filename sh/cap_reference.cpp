@@ -21,8 +21,8 @@ struct Arc {
 
 double angleBetween(const dvec3& a, const dvec3& b) { return 2 * std::atan2(glm::length(a - b), glm::length(a + b)); }
 
-// Where the boundary circle of `caps[i]` lies with respect to cap j. Decided symmetrically for a pair,
-// so that two circles never disagree on whether they cross; of two equal caps the first counts.
+// Where the boundary circle of `ci` lies with respect to `cj`; d is the angle between their axes. The decision is
+// symmetric for a pair, so that two circles never disagree on whether they cross. Of two equal caps, the first counts.
 Relation circleAgainstCap(const ExactCap& ci, const ExactCap& cj, double d, bool first) {
     if (d >= ci.radius + cj.radius) return Relation::Disjoint;
     if (ci.radius + cj.radius + d >= 2 * kPi) return Relation::Inside;  // together they cover the sphere
@@ -33,7 +33,7 @@ Relation circleAgainstCap(const ExactCap& ci, const ExactCap& cj, double d, bool
     return Relation::Crossing;
 }
 
-// Half the arc of circle i inside cap j, by the half-angle formula of spherical triangles.
+// Half the arc, in radians, of circle i inside cap j, by the half-angle formula of spherical triangles.
 double clipHalfAngle(double ri, double rj, double d) {
     const double s = (ri + rj + d) / 2;
     const double opposite = std::max(0.0, std::sin(s - ri) * std::sin(s - d));

@@ -11,9 +11,9 @@ struct ExactCap {
 };
 
 // The vector irradiance F = integral of w over the intersection of `caps` (1 to 8 of them), in sr.
-// For unit radiance E = dot(normal, F), provided that the horizon (normal, pi/2) is one of the caps;
-// F is also the visible direction D of the region. It is half the boundary integral of w x dw
-// (Stokes), arc by arc, good to about 1e-12. Slow; the truth that the shaders' formulas are tested by.
+// For unit radiance E = dot(normal, F), provided that the horizon (normal, pi/2) is one of the caps. F is also the
+// visible direction D of the region. It is half the boundary integral of w x dw (Stokes' theorem), summed arc by arc,
+// with an error of about 1e-12. Slow: it is the truth in the tests of the shaders' formulas.
 glm::dvec3 vectorIrradiance(std::span<const ExactCap> caps);
 
 }  // namespace apertura

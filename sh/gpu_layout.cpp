@@ -1,5 +1,5 @@
-// The structs that GLSL and C++ share lie in memory alike: std140 and std430 have a vec3 at multiples of 16 bytes, what
-// follows it close behind, and the whole padded to 16.
+// Checks that the structs shared by GLSL and C++ have the same layout. std140 and std430 align a vec3 to 16 bytes, put
+// the next member directly behind it, and pad a struct to a multiple of 16.
 #include <cstddef>
 
 #include "sh/shading.h"

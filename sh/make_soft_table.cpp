@@ -1,4 +1,4 @@
-// Writes the table that toSoft looks up: one full solve a node. Runs at build time.
+// Writes the table that toSoft reads, one full solve per node. Runs at build time.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

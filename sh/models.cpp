@@ -15,7 +15,7 @@ ModelParams nothing(const Visibility&, const vec3&) { return {}; }
 
 ModelParams oneCap(const Visibility& v, const vec3& normal) { return paramsOf(withAperture({}, toAperture(v, normal), 1)); }
 
-// The cap of uniform opacity with all four numbers: its height from |D| / A, which is 1 - height / 2.
+// The cap of uniform opacity that has all four numbers: |D| / A = 1 - height / 2 gives its height.
 ModelParams alphaCap(const Visibility& any, const vec3& normal) {
     const Visibility v = clampToPossible(any);
     Aperture a = toAperture(v, normal);
@@ -25,7 +25,8 @@ ModelParams alphaCap(const Visibility& any, const vec3& normal) {
     return paramsOf(withAperture({}, a, a.height > 0 ? area / a.height : 0));
 }
 
-// The cap and the anti-cap of the blocked part, weighed by which of the two is nearer to being a cap.
+// The cap of the open part and the anti-cap of the blocked part, weighted by their deficits: the part that is nearer to
+// being a cap gets the larger weight.
 ModelParams capAndAnti(const Visibility& any, const vec3& normal) {
     const Visibility v = clampToPossible(any);
     const Visibility blocked{PI * normal - v.direction, 2 * PI - v.area};
@@ -35,12 +36,13 @@ ModelParams capAndAnti(const Visibility& any, const vec3& normal) {
     return paramsOf(withTwoCaps({}, {toAperture(v, normal), toAperture(blocked, normal), sum > 1e-6f ? open / sum : 0, 0}));
 }
 
-// No number of a lobe reaches beyond what 16 bits can square, anywhere on the sphere.
+// The limit of |slope| + |offset|, so that a lobe stays within what 16-bit floats can square, anywhere on the sphere.
 constexpr double kFarthest = 250;
 
-// A lobe's edge no harder than a sun's is wide: a point-like light would step over a harder one. The lobe keeps the area of
-// the sphere that it lets through, or keeps back where that is less: 2 pi / S times the integral of softStep up to its value f at
-// the axis, (f + sqrt(1 + f^2)) / 2. (Where the horizon cuts it, the part above changes.)
+// Limits a lobe's sharpness so that its edge is no narrower than the sun: a point-like light would step over a harder
+// one. The lobe keeps the area of the sphere that it lets through, or the area that it blocks where that is less. With a
+// slope of length S this area is 2 pi / S times the integral of softStep up to its value f at the axis, (f + sqrt(1 +
+// f^2)) / 2. (Where the horizon cuts the lobe, the part above it changes.)
 vec4 limitSharpness(const vec4& lobe) {
     constexpr double kSharpest = 240;
     const double sharp = length(dvec3(lobe)), side = lobe.w > 0 ? -1 : 1;
@@ -48,15 +50,15 @@ vec4 limitSharpness(const vec4& lobe) {
     if (sharp < 1e-6) return vec4(vec3(0), float(-side * kFarthest));
     const double peak = sharp + side * lobe.w, root = std::sqrt(1 + peak * peak);
     const double height = std::clamp((peak > 0 ? peak + root : 1 / (root - peak)) / (2 * sharp), 1e-12, 1.0);  // area / 2 pi
-    // Of slope S that area needs f = S height - 1 / (4 S height), and the offset f - S. The sharpest S whose numbers stay
-    // within bounds solves S + (S - f) = kFarthest; of an area too small for any, the faintest lobe is taken.
+    // A slope S gives that area if f = S height - 1 / (4 S height), with the offset f - S. The sharpest S within the
+    // limit solves S + (S - f) = kFarthest. If no S gives so small an area, the faintest lobe is taken.
     const double left = kFarthest * kFarthest - (2 - height) / height;
     const double S = std::min({(kFarthest + std::sqrt(std::max(left, 0.0))) / (2 * (2 - height)), sharp, kSharpest});
     const double f = std::max(S * height - 1 / (4 * S * height), 2 * S - kFarthest);
     return vec4(vec3(dvec3(lobe) * (S / sharp)), float(side * (f - S)));
 }
 
-// A quadric within the same bounds; its edge becomes softer, its area stays nearly.
+// Scales a quadric down to the same limit. Its edge becomes softer, its area stays nearly the same.
 SoftQuadric limitQuadric(const SoftQuadric& q) {
     const double bend = glm::dot(glm::dvec4(q.bend), glm::dvec4(q.bend)) + double(q.bendYz) * q.bendYz;
     const double reach = length(dvec3(q.slope)) + std::abs(q.offset) + std::sqrt(bend);
@@ -264,7 +266,7 @@ constexpr int slotsNeeded(const Model& model) {
     }
 }
 
-// What a row must be for the rest to follow from it.
+// True where a row is what the code that reads the table assumes.
 constexpr bool isSound(const Model& model, int place) {
     const bool made = model.fromVisibility || model.stored[0] != None || model.kind == ModelKind::Choice;
     const bool tagged = model.autoTag < 0 || kAutoModels[size_t(model.autoTag)] == &model;
@@ -321,7 +323,7 @@ namespace {
 
 Aperture withTerms(const vec4& slot) { return apertureIn(slot, capTermsOf(slot.w)); }
 
-// Parameters as they were stored, with what the shader reads beside: lobes within bounds, the terms of caps.
+// Stored parameters with what the shader reads beside them: lobes within their limits, caps with their terms.
 ModelParams completed(const Model& model, const ModelParams& stored) {
     Receiver r{};
     std::copy(stored.begin(), stored.end(), r.params);
@@ -333,11 +335,11 @@ ModelParams completed(const Model& model, const ModelParams& stored) {
         case ModelKind::Union:
             for (int k = 0; k < model.parts; ++k) r = withApertureOfUnion(r, model.parts, k, withTerms(r.params[k]));
             break;
-        case ModelKind::Anti:  // either of the two
+        case ModelKind::Anti:  // the one stored cap serves as either of the two
             r = withTwoCaps(r, {withTerms(r.params[0]), withTerms(r.params[0]), twoCapsIn(r).weight, 0});
             break;
         case ModelKind::CapAnti: {
-            // What is evaluated is the complement of a cap over a hemisphere.
+            // The formula evaluates a cap larger than a hemisphere through its complement, so it needs the terms of that.
             auto smaller = [](const vec4& slot) { return apertureIn(slot, capTermsOf(std::min(slot.w, 2 - slot.w))); };
             r = withTwoCaps(r,
                             {smaller(r.params[0]), smaller(r.params[1]), twoCapsIn(r).weight, dot(vec3(r.params[0]), vec3(r.params[1]))});

@@ -1,6 +1,7 @@
 #pragma once
-// The visibility models: what each is called, what it stores, and what it makes of that at load. Its formula
-// stands in shaders/models.glsl, or what that includes, its number in shaders/receiver.glsl; how it is fitted to rays in bake/fit/fit.cpp.
+// The visibility models: their names, what each stores, and what each makes of that when an asset is loaded.
+// A model's number is in shaders/receiver.glsl, its formula in shaders/models.glsl and the files that it includes, its
+// fit to rays in bake/fit/fit.cpp.
 #include <array>
 #include <span>
 #include <string_view>
@@ -10,88 +11,94 @@
 
 namespace apertura {
 
-// One point in the form that a model's formula reads.
+// The parameters of one point, as a model's formula reads them. shaders/receiver.glsl says what each slot holds.
 using ModelParams = std::array<vec4, MAX_SLOTS>;
 
-// What a model stores, in the slots of its parameters from the first on, and how that travels: as so many numbers of -1..1.
+// What a model stores, in the slots of its parameters from the first on. Each field is packed as numbers in -1..1.
 enum class Field {
-    None,      // the end of the list
-    Cap,       // an aperture. 3 numbers: the axis, octahedral, and the radius / pi
-    Lobe,      // slope and offset. 4: the slope's axis, its length, and the edge
-    HardLobe,  // the same of sharpness kHardSharpness. 3: axis and edge
-    Bend,      // SoftQuadric's bend, in two slots. 5
-    Heights,   // sines of elevation at 16 azimuths, in four slots. 16
-    Bands2,    // SH coefficients of band 2, in two slots. 5
-    Bands4,    // of the bands 2 to 4, in six slots. 21
+    None,      // ends the list
+    Cap,       // an aperture; 3 numbers: the axis (octahedral mapping) and radius / pi
+    Lobe,      // slope and offset; 4 numbers: the slope's axis (octahedral mapping), its length, and the edge
+    HardLobe,  // a lobe whose slope has the length kHardSharpness; 3 numbers: axis and edge
+    Bend,      // a SoftQuadric's bend, in two slots; 5 numbers
+    Heights,   // sines of elevation at 16 azimuths, in four slots; 16 numbers
+    Bands2,    // SH coefficients of band 2, in two slots; 5 numbers
+    Bands4,    // SH coefficients of bands 2 to 4, in six slots; 21 numbers
 };
 
-// Sharpness of the lobes that store none.
+// The length of the slope of lobes that do not store one.
 constexpr float kHardSharpness = 60;
 
-// What a model means, as far as more than its formula depends on it: how parameters are completed when they are loaded, where the
-// flags of a combination stand, and whether its integral over a light has a closed form.
+// What a model is, as far as code beside its formula depends on it: how parameters are completed at load, which slot
+// holds the flags of a Combination, and whether its integral over a light has a closed form.
 enum class ModelKind {
-    Formula,   // nothing but its formula
+    Formula,   // nothing beside its formula
     Area,      // the visible area alone
     Aperture,  // one cap
     Anti,      // a cap, an anti-cap, or a blend
-    CapAnti,   // what two caps let through together, or its complement
-    Union,     // what any of `parts` caps lets through
-    Lobes,     // the product of `parts` lobes, its complement, or pairs
+    CapAnti,   // the intersection of two caps, or its complement
+    Union,     // the union of `parts` caps
+    Lobes,     // the product of `parts` lobes, some of them in pairs, or its complement
     Quadric,   // one lobe with a quadratic exponent
-    Choice,    // another model for each point
+    Choice,    // another model at each point
 };
 
-// One row of the table in sh/models.cpp. A field that a row leaves out is as here.
+// One row of the table in sh/models.cpp. A row may leave out the fields that have defaults here.
 struct Model {
     int id;                 // MODEL_..., the shader's specialisation constant
     std::string_view name;  // on the command line
     ModelKind kind = ModelKind::Formula;
     int parts = 1;          // caps or lobes
-    int numbers;            // a point, that the light's formula reads
-    int slots = 0;          // of its parameters
-    bool mixes = false;     // parameters may be interpolated; otherwise the light of three corners is
-    bool baseline = false;  // a rival, or as published: kept as it is where it fails
-    // The parameters, from the four numbers; nothing where the model is stored instead.
+    int numbers;            // a point's numbers that the light's formula reads
+    int slots = 0;          // vec4s of its parameters, 0..MAX_SLOTS
+    bool mixes = false;     // true: parameters may be interpolated; false: the light at the three corners is
+    bool baseline = false;  // a rival, or a method as published: kept as it is where it fails
+    // Makes the parameters from the four numbers; `normal` is unit. nullptr for models that must be stored.
     ModelParams (*fromVisibility)(const Visibility&, const vec3& normal) = nullptr;
-    std::array<Field, 4> stored{};  // what is stored, where it is
-    int autoTag = -1;               // its byte in an asset that `auto` chose for, for ever the same; -1: never chosen
-    std::string_view what;          // for people
+    std::array<Field, 4> stored{};  // the fields of its parameters, if they are stored
+    int autoTag = -1;               // its byte in an asset that `auto` chose for, never to change; -1: `auto` never chooses it
+    std::string_view what;          // description for people
 
     bool isStored() const { return stored[0] != Field::None || kind == ModelKind::Choice; }
-    // Slot of the lobes' Combination, whose complement is where TwoCaps has its weight; -1 where there is none.
+    // The slot of the lobes' Combination; -1 where there is none. For two caps it is the slot of TwoCaps' weight, which
+    // stands where a Combination has its complement.
     int flagSlot() const { return kind == ModelKind::Lobes ? parts : kind == ModelKind::Anti || kind == ModelKind::CapAnti ? 2 : -1; }
 };
 
-// All of them, models()[id].id == id. Throws std::logic_error where one has no formula.
+// All models: models()[id].id == id. Throws std::logic_error where a model has no formula.
 std::span<const Model> models();
 
-// Whether irradianceThrough knows the model and, where `auto` may choose it, knows it as a choice too.
+// True where irradianceThrough has a formula for the model in this class of lights (LIGHTS_...) and, if `auto` may choose
+// the model, for it as a choice.
 bool hasFormula(const Model& model, int lightClass);
 
-// nullptr where there is none of that name.
+// The model of that name, or nullptr.
 const Model* findModel(std::string_view name);
 
-// Those that `auto` may choose, by their autoTag: 0, 1, ...
+// The models that `auto` may choose, in the order of their autoTag: 0, 1, ...
 std::span<const Model* const> autoModels();
 
-// The model that parameters are of: `model` itself, or what MODEL_AUTO chose. The choice is one of autoModels().
+// The model that the parameters belong to: `model` itself or, for MODEL_AUTO, the one that setChoice wrote into them,
+// which is one of autoModels(). `outOfReach`: no model came within the tolerance.
 const Model& chosenModel(const Model& model, const ModelParams& params);
 void setChoice(ModelParams& params, const Model& chosen, bool outOfReach);
 
-// Numbers in -1..1 that one point of the model stores beside its Visibility; 0 for those made from it.
-// MODEL_AUTO has no size of its own: it stores the chosen model's.
+// How many numbers in -1..1 one point of the model stores beside its Visibility; 0 for models made from that. MODEL_AUTO
+// has no size of its own: it stores the numbers of the chosen model.
 int storedNumbers(const Model& model);
 
-// Parameters as numbers of -1..1 and back; `numbers` has storedNumbers(model) elements. Total over all values.
+// Packs parameters into numbers in -1..1 and unpacks them; `numbers` has storedNumbers(model) elements. Defined for all
+// values of either.
 void packParams(const Model& model, const ModelParams& params, std::span<float> numbers);
 ModelParams unpackParams(const Model& model, std::span<const float> numbers);
 
-// The parameters turned by `rotation` (orthogonal): from an instance's frame to the world or back.
+// The parameters rotated from an instance's frame to the world or back; `rotation` is orthogonal.
 ModelParams rotateParams(const Model& model, ModelParams params, const mat3& rotation);
 
-// The parameters that the shader reads: as they were stored, or made from the four numbers where `stored` is null or
-// the choice of MODEL_AUTO stores nothing. `normal` of any length; of none it is +Y.
+// The parameters that the shader reads, about 8 million vertices a second on one core for `soft`.
+//   stored  what unpackParams returned. The parameters are made from `visibility` instead where it is nullptr, or where
+//           the model that MODEL_AUTO chose stores nothing
+//   normal  any length; +Y is taken where it is zero or not finite
 ModelParams toParams(const Model& model, const Visibility& visibility, const ModelParams* stored, const vec3& normal);
 
 inline ModelParams paramsOf(const Receiver& receiver) { return std::to_array(receiver.params); }
@@ -102,12 +109,13 @@ inline Receiver toReceiver(const Visibility& v, const ModelParams& params, const
     return receiver;
 }
 
-// The receiver of a model that is made from the four numbers.
+// The receiver of a model that is made from the four numbers. `normal` is unit.
 inline Receiver toReceiver(const Model& model, const Visibility& v, const vec3& normal) {
     return toReceiver(v, toParams(model, v, nullptr, normal), normal);
 }
 
-// The formulas to use for lights up to this radius, as sin(radius): LIGHTS_...
+// The cheapest class of formulas, LIGHTS_..., that covers lights up to this radius, given as sin(radius): 0.6, 3 or 10
+// degrees, or any.
 inline int lightClassOf(float sinRadius) {
     return sinRadius <= 0.0105f ? LIGHTS_SUN : sinRadius <= 0.0524f ? LIGHTS_SMALL : sinRadius <= 0.1737f ? LIGHTS_MEDIUM : LIGHTS_ANY;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The bytes of the asset's _VISIBILITY attribute: VEC4, normalised signed integers (glTF 2.0, 3.11),
+// The bytes of the asset's _VISIBILITY attribute: a VEC4 of normalised signed integers (glTF 2.0, 3.11),
 // x, y, z = D / A, w = 2 sqrt(A / 2 pi) - 1. A closed point (A = 0) is 0, 0, 0, -1.
 #include <array>
 #include <cstdint>
@@ -11,11 +11,13 @@ namespace apertura {
 using Packed8 = std::array<int8_t, 4>;    // 4 bytes a point
 using Packed16 = std::array<int16_t, 4>;  // 8 bytes a point
 
-// Bounds on the errors of unpack(pack(v)), for any possible v. `area` is of A / 2 pi. `direction` is the
-// length of the error of D / A: half a step a component from rounding, and a quarter of a step where the
-// result is clamped to what is possible. The angle between the axes is at most asin(direction / |D / A|). `radius`,
-// radians, is of the cap of the same area: 2 asin(sqrt(A / 4 pi)), whose slope by sqrt(A) is greatest at a hemisphere.
-// A point that is open by no more than `closed` of the hemisphere comes back closed.
+// Upper bounds on the errors of unpack(pack(v)), for any possible v, at 8 or 16 bits.
+//   area       error of A / 2 pi
+//   direction  length of the error of D / A: half a step in each component from rounding, and a quarter of a step where
+//              the result is clamped to what is possible. The angle between the axes is at most asin(direction / |D / A|)
+//   closed     a point that is open by no more than this fraction of the hemisphere comes back closed
+//   radius     radians, error of the radius of the cap of the same area, 2 asin(sqrt(A / 4 pi)), whose slope by sqrt(A)
+//              is greatest at a hemisphere
 struct PackingError {
     double area, direction, closed, radius;
 };
@@ -25,15 +27,15 @@ constexpr PackingError packingError(int bits) {
     return {step / 2 + step * step / 16, (halfDiagonal + 0.25) * step + 1e-6, step * step / 16, step / 2 + 1e-6};
 }
 
-// `v` is first clamped to what is possible (clampToPossible).
+// `v` is clamped to what is possible first (clampToPossible).
 Packed8 pack8(const Visibility& v);
 Packed16 pack16(const Visibility& v);
 
-// Total over all bit patterns: the result is always possible, -128 reads as -127.
+// Defined for all bit patterns: the result is always possible, and -128 reads as -127.
 Visibility unpack(const Packed8& p);
 Visibility unpack(const Packed16& p);
 
-// The same from components as a vertex fetch or a glTF reader normalises them, -1..1.
+// The same from the components in -1..1 that a vertex fetch or a glTF reader returns.
 Visibility unpack(const glm::vec4& normalised);
 
 }  // namespace apertura

@@ -1,4 +1,4 @@
-// How parameters travel: each field as numbers of -1..1, which the asset rounds to bytes or shorts.
+// How parameters are packed: each field as numbers in -1..1, which the asset rounds to bytes or shorts.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@ namespace {
 
 float finiteOrZero(float x) { return std::isfinite(x) ? x : 0; }
 
-// Octahedral: Meyer et al., "On Floating-Point Normal Vectors", 2010.
+// Octahedral mapping: Meyer et al., "On Floating-Point Normal Vectors", 2010.
 vec2 toOctahedral(const vec3& w) {
     const float sum = std::abs(w.x) + std::abs(w.y) + std::abs(w.z);
     if (!(sum > 0) || !std::isfinite(sum)) return {0, 0};
@@ -22,12 +22,12 @@ vec3 fromOctahedral(const vec2& p) {
     return normalize(vec3(p.x + (p.x >= 0 ? -fold : fold), p.y + (p.y >= 0 ? -fold : fold), z));
 }
 
-// A length of 0.. as 0..1, most finely about `middle`.
+// Maps a length of 0 or more to 0..1; its relative resolution is finest at `middle`.
 float toShare(float length, float middle) { return length / (length + middle); }
 float fromShare(float share, float middle) { return middle * share / std::max(1 - share, 0.004f); }
 constexpr float kMiddleSlope = 4, kMiddleBend = 10;
 
-// The edge of a lobe: offset in units of 1 and the slope.
+// The edge of a lobe, -1..1: its offset, normalised by the length of (1, slope, offset).
 float toEdge(float offset, float slope) { return offset / std::sqrt(1 + slope * slope + offset * offset); }
 float fromEdge(float edge, float slope) {
     const float e = std::clamp(edge, -0.999f, 0.999f);
@@ -64,7 +64,7 @@ void unpackLobe(const float* in, vec4* slots) {
 
 void packHardLobe(const vec4* slots, float* out) {
     packAxis(vec3(*slots), out);
-    out[2] = 0.5f + 0.5f * toEdge(finiteOrZero(slots->w), kHardSharpness);  // 0..1: the sign is a flag
+    out[2] = 0.5f + 0.5f * toEdge(finiteOrZero(slots->w), kHardSharpness);  // 0..1, which leaves the sign for a flag
 }
 void unpackHardLobe(const float* in, vec4* slots) {
     *slots = vec4(kHardSharpness * unpackAxis(in), fromEdge(2 * std::abs(in[2]) - 1, kHardSharpness));
@@ -97,8 +97,8 @@ void unpackPlain(const float* in, vec4* slots) {
     std::copy_n(in, Count, flat(slots));
 }
 
-// The coefficients of the bands 2 to Top of the turned function, by a product quadrature that is exact for
-// them: five Gauss–Legendre nodes, ten azimuths.
+// The coefficients of bands 2 to Top of the rotated function, by a product quadrature that is exact for them: five
+// Gauss–Legendre nodes in z, ten azimuths.
 template <int Top>
 void rotateBands(vec4* slots, const mat3& rotation) {
     static const float nodes[5] = {-0.9061798459f, -0.5384693101f, 0, 0.5384693101f, 0.9061798459f};
@@ -117,13 +117,13 @@ void rotateBands(vec4* slots, const mat3& rotation) {
     std::copy_n(out, count, flat(slots));
 }
 
-// Heights are about the normal in the world, whichever way the instance is turned.
+// Heights are stored about the normal in the world, so the rotation of an instance does not change them.
 void rotateNothing(vec4*, const mat3&) {}
 
-// How one field travels.
+// How one field is packed, unpacked and rotated.
 struct Packing {
     int numbers, slots;
-    void (*pack)(const vec4* slots, float* numbers);  // of any values; the caller clamps what comes out
+    void (*pack)(const vec4* slots, float* numbers);  // defined for any values; the caller clamps the results
     void (*unpack)(const float* numbers, vec4* slots);
     void (*rotate)(vec4* slots, const mat3& rotation);
 };
@@ -163,11 +163,11 @@ void forFields(const Model& model, Use&& use) {
     }
 }
 
-// The third number of a cap, of a lobe and of a hard lobe is never negative by itself: its sign is a flag. A
-// value that would round to nothing moves up to the least that has a sign.
+// Flags a number by a negative sign. The third number of a cap, a lobe and a hard lobe is never negative by itself. A
+// value that would round to zero is raised to the least one that keeps its sign in a byte.
 void setFlag(float& number) { number = -std::max(number, 1 / 127.0f); }
 
-// The flags of pairs are the signs of the second and the third hard lobe, where there are three or more.
+// Models of three or more hard lobes flag their pairs by the signs of the third numbers of the second and the third lobe.
 bool mayPair(const Model& model) { return model.parts >= 3 && model.stored[0] == Field::HardLobe; }
 
 }  // namespace

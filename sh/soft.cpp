@@ -18,7 +18,7 @@ const Column kTable[soft_grid::kAreas * soft_grid::kPsis] = {
 };
 constexpr float kPi = std::numbers::pi_v<float>;
 
-// The node below coordinate c (0..1) on an axis of `nodes`, and the way to the next one.
+// The node below coordinate c (0..1) on an axis of `nodes` nodes, and the fraction of the way to the next one.
 struct Cell {
     int index;
     float t;
@@ -34,7 +34,8 @@ struct Cell {
 SoftAperture toSoft(const Visibility& any, const vec3& normal) {
     const Visibility v = clampToPossible(any);
     const float x = std::clamp(v.area / (2 * kPi), soft_grid::kLeastArea, 1 - soft_grid::kLeastArea);
-    // An area that was clamped takes its direction along; nothing open, or all, is an even haze.
+    // Where the area is clamped, the direction is scaled with it. If nothing or everything is open, visibility is an even
+    // haze.
     const float open = v.area / (2 * kPi);
     const bool even = open <= 0 || open > x;
     const vec3 direction = even ? kPi * x * normal : v.direction * (x / open);
@@ -69,7 +70,7 @@ SoftAperture toSoft(const Visibility& any, const vec3& normal) {
     const float slope = sharpness * rho / std::sqrt((1 - rho) * variance);
     // softStepInverse(x)^2 + 1, in closed form
     const float haze = 1 / (4 * variance);
-    // The direction (above, t), turned by the lean.
+    // The direction (above, t), rotated by the lean.
     const float scale = slope / (std::max(distance, 1e-20f) * (1 + lean * lean));
     const float c = 1 - lean * lean, s = 2 * lean;
     const float alongNormal = scale * (c * above - s * t), sideways = t > 0 ? scale * (c * t + s * above) / t : 0.0f;

@@ -4,10 +4,11 @@
 
 namespace apertura {
 
-// The soft aperture whose hemisphere integrals about `normal` (unit) are A and D of `v`: all four
-// numbers are used. From a table; E is within 0.003 RMS of the full solve (soft_solve.h) at the receivers of
-// the built-in scenes that are open by 0.001..0.999 and have a slope below 1000. The sharpness of harder edges is limited. Millions of
-// points a second on one core.
+// The soft aperture whose integrals over the hemisphere about `normal` (unit) are the A and D of `v`: it uses all four
+// numbers.
+// It is looked up in a table, millions of points a second on one core. E is within 0.003 RMS of the full solve
+// (soft_solve.h) at those receivers of the built-in scenes that are open by 0.001..0.999 and have a slope below 1000.
+// Harder edges are softened to the limit of the table.
 SoftAperture toSoft(const Visibility& v, const vec3& normal);
 
 }  // namespace apertura

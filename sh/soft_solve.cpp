@@ -40,9 +40,9 @@ struct Quadrature {
     }
 };
 
-// Directions by angle theta from the slope's axis b, which leans `tilt` from the normal. Of the circle
-// at theta, the hemisphere holds the arc |phi| <= reach about e, where e is perpendicular to b and
-// points to the normal's side. Calls f(weight, cos theta, sin theta, reach).
+// Integrates over the hemisphere by circles around the slope's axis b, which leans `tilt` radians from the normal. Of the
+// circle at angle theta from b, the hemisphere contains the arc |phi| <= reach around e, which is perpendicular to b on
+// the normal's side. The integrand may have kinks at the angles `breaks`. Calls f(weight, cos theta, sin theta, reach).
 template <typename F>
 void overHemisphere(double tilt, std::vector<double> breaks, F&& f) {
     static const Quadrature quadrature;
@@ -53,7 +53,7 @@ void overHemisphere(double tilt, std::vector<double> breaks, F&& f) {
         const double middle = (breaks[k] + breaks[k + 1]) / 2, half = (breaks[k + 1] - breaks[k]) / 2;
         if (half < 1e-14) continue;
         for (int i = 0; i < Quadrature::n; ++i) {
-            // The sine bunches the nodes at both ends, where the reach has square-root ends.
+            // The sine concentrates the nodes at both ends, where the reach behaves like a square root.
             const double u = quadrature.x[i] * kPi / 2;
             const double theta = middle + half * std::sin(u);
             const double c = std::cos(theta), s = std::sin(theta);
@@ -67,7 +67,7 @@ void overHemisphere(double tilt, std::vector<double> breaks, F&& f) {
 struct Moments {
     double potential = 0;
     dvec3 value{0};  // A, D_n, D_t
-    dmat3 slope{0};  // their derivatives by offset, n, t
+    dmat3 slope{0};  // their derivatives with respect to offset, n, t
 };
 
 Moments moments(double offset, const dvec2& b) {

@@ -1,4 +1,4 @@
-// One aperture and one cap light: the published formula and ours. GLSL and C++ include this text.
+// One aperture and one cap light: the formula published in 2006, and ours. GLSL and C++ include this text.
 #ifndef APERTURA_APERTURE_GLSL
 #define APERTURA_APERTURE_GLSL
 #include "edges.glsl"
@@ -7,10 +7,10 @@
 struct Aperture {
     lpvec3 axis;     // unit
     lpfloat height;  // 1 - cos(radius) = area / 2 pi: 0 closed, 1 a hemisphere, 2 everything
-    lpvec3 terms;    // capTermsOf(height), made once with it
+    lpvec3 terms;    // capTermsOf(height), computed once when the aperture is made
 };
 
-// The pseudo-angle of a cap, 1 over it, and 1 over the sine of the radius.
+// x: pseudoAngle(height), y: 1 / x, z: 1 / sin(radius). `height` is clamped to 0..2.
 APERTURA_FN lpvec3 capTermsOf(lpfloat height) {
     lpfloat h = clamp(height, lpfloat(0.0), lpfloat(2.0));
     lpfloat angle = pseudoAngle(h);
@@ -19,8 +19,8 @@ APERTURA_FN lpvec3 capTermsOf(lpfloat height) {
 
 APERTURA_FN Aperture makeAperture(lpvec3 axis, lpfloat height) { return Aperture(axis, height, capTermsOf(height)); }
 
-// Radius of a cap of this height, radians, within 1e-7: acos(1 - height) after Abramowitz and Stegun,
-// "Handbook of Mathematical Functions", 1964, 4.4.46. The built-in acos differs between devices.
+// The radius in radians of a cap of this height (clamped to 0..2), within 1e-7: acos(1 - height) after Abramowitz and
+// Stegun, "Handbook of Mathematical Functions", 1964, 4.4.46. The built-in acos differs between devices.
 APERTURA_FN lpfloat capRadius(lpfloat height) {
     lpfloat h = clamp(height, lpfloat(0.0), lpfloat(2.0));
     lpfloat x = abs(lpfloat(1.0) - h);
@@ -36,9 +36,9 @@ APERTURA_FN lpfloat capRadius(lpfloat height) {
     return h > lpfloat(1.0) ? PI - radius : radius;
 }
 
-// BASELINE, as published: Oat, "Ambient Aperture Lighting", SIGGRAPH course 2006. The overlap's area
-// eases between touching and nested; its direction is the average of the axes. E is off by 0.19 RMS
-// (0.69 max) of the light's own, and not a number where axis = -light.axis: both are the method's.
+// BASELINE, as published: Oat, "Ambient Aperture Lighting", SIGGRAPH course 2006. The overlap's area eases between
+// touching and nested; its direction is the average of the axes. Two faults are the method's own: E / (pi sin^2 r) errs
+// by 0.19 RMS (0.69 max), and E is NaN where axis = -light.axis.
 APERTURA_FN lpfloat oatIrradianceThroughAperture(lpvec3 normal, Aperture aperture, CapLight light) {
     lpfloat r0 = capRadius(aperture.height);
     lpfloat r1 = capRadius(light.height);
@@ -53,26 +53,27 @@ APERTURA_FN lpfloat oatIrradianceThroughAperture(lpvec3 normal, Aperture apertur
     return area * max(dot(normal, normalize(aperture.axis + light.axis)), lpfloat(0.0));
 }
 
-// 1 less the cosine between two unit axes, with no cancellation where they nearly agree.
+// 1 - dot(a, b) for unit vectors, without cancellation where they nearly agree.
 APERTURA_FN lpfloat distanceOf(lpvec3 a, lpvec3 b) {
     lpvec3 difference = a - b;
     return lpfloat(0.5) * dot(difference, difference);
 }
 
-// The share of a disc beyond a chord, from how far the chord has gone across it, 0..1. Within 0.0016, and no
-// steeper than the exact one.
+// The fraction of a disc on one side of a chord. x: how far the chord has moved across the disc, 0..1. Within 0.0016, and
+// no steeper than the exact function.
 APERTURA_FN lpfloat discFraction(lpfloat x) {
     lpfloat bulge = x - x * x;
     return x + bulge * (lpfloat(2.0) * x - lpfloat(1.0)) * (lpfloat(0.7458) - lpfloat(0.88) * bulge);
 }
 
-// How a light lies to an aperture, from the distance between their axes.
+// The overlap of a light and an aperture.
 struct Overlap {
-    lpfloat share;     // of the smaller of the two caps, inside the other: 0..1
-    lpfloat distance;  // distanceOf the axes
-    lpfloat inverse;   // 1 over the pseudo-angle between the axes
+    lpfloat share;     // fraction of the smaller cap that lies inside the other, 0..1
+    lpfloat distance;  // distanceOf the two axes
+    lpfloat inverse;   // 1 / the pseudo-angle between the axes
 };
 
+// `distance`: distanceOf the two axes. `height`, `capTerms`: the height and terms of the aperture.
 APERTURA_FN Overlap overlapOf(lpfloat distance, lpfloat height, lpvec3 capTerms, CapLight light, int lightClass) {
     lpfloat R = capTerms.x;
     lpfloat inverseR = capTerms.y;
@@ -83,7 +84,7 @@ APERTURA_FN Overlap overlapOf(lpfloat distance, lpfloat height, lpvec3 capTerms,
     lpfloat d = o.distance * root * (lpfloat(1.3946) + lpfloat(0.233) * o.distance);
     o.inverse = lightClass != LIGHTS_ANY ? root * (lpfloat(0.7165) - lpfloat(0.1033) * o.distance)
                                          : root * (lpfloat(0.717) - lpfloat(0.1198) * o.distance + lpfloat(0.02) * o.distance * o.distance);
-    // x: how far the light has come in, 0 touching from outside .. 1 nested.
+    // x: how far the light has come in, from 0 where it touches from outside to 1 where one is inside the other.
     lpfloat x = clamp((R + r - d) * lpfloat(0.5) * max(inverseR, light.inverseAngle), lpfloat(0.0), lpfloat(1.0));
     lpfloat k = min(R * light.inverseAngle, r * inverseR);
     lpfloat larger = lightClass != LIGHTS_ANY ? height : max(height, light.height);
@@ -94,37 +95,37 @@ APERTURA_FN Overlap overlapOf(lpfloat distance, lpfloat height, lpvec3 capTerms,
     return o;
 }
 
-// Of the light's solid angle, what is inside.
+// The fraction of the light's solid angle that is inside the aperture, 0..1. `height`: of the aperture.
 APERTURA_FN lpfloat overlapOfLight(Overlap o, lpfloat height, CapLight light) {
     return o.share * min(height * light.inverseHeight, lpfloat(1.0));
 }
 
-// The cosine to the normal of the overlap's centroid, from those of the aperture's axis and the light's: it lies
-// on the way t from the one to the other.
+// The cosine between the normal and the overlap's centroid. The centroid lies a fraction t of the way from the aperture's
+// axis to the light's; `na` and `nl` are the cosines of these axes to the normal.
 APERTURA_FN lpfloat centroidCosine(Overlap o, lpfloat na, lpfloat nl, lpvec3 capTerms, CapLight light, int lightClass) {
     lpfloat t = clamp(lpfloat(0.5) + lpfloat(0.5) * (capTerms.x - light.angle) * o.inverse, lpfloat(0.0), lpfloat(1.0));
     lpfloat z = na + t * (nl - na);
-    lpfloat sag = (t - t * t) * o.distance;  // 1 less the length of the way's point, nearly
+    lpfloat sag = (t - t * t) * o.distance;  // nearly 1 - the length of the point at t between the axes
     return lightClass == LIGHTS_MEDIUM ? z + z * sag : z * inversesqrt(max(lpfloat(1.0) - lpfloat(2.0) * sag, lpsmall(1e-6)));
 }
 
-// E of a cap light through an aperture, cut by the receiver's horizon.
-// A fit of our own to the exact overlap of three caps: tests/aperture_test.cpp holds it to 0.003 RMS
-// and 0.035 max of the light's own E, for light radii 0.27..45 degrees.
+// E of a cap light through an aperture, cut by the receiver's horizon. A fit of our own to the exact overlap of three
+// caps. Error of E / (pi sin^2 r): 0.003 RMS (0.035 max) for light radii 0.27..45 degrees, 0.005 RMS in LIGHTS_SMALL
+// (tests/aperture_test.cpp).
 APERTURA_FN lpfloat irradianceThroughAperture(lpvec3 normal, Aperture aperture, CapLight light, int lightClass) {
     Overlap o = overlapOf(distanceOf(aperture.axis, light.axis), aperture.height, aperture.terms, light, lightClass);
     if (lightClass >= LIGHTS_SMALL) return unoccludedIrradiance(normal, light, lightClass) * overlapOfLight(o, aperture.height, light);
     lpfloat H = o.share * min(aperture.height, light.height);
     lpfloat z = centroidCosine(o, dot(normal, aperture.axis), dot(normal, light.axis), aperture.terms, light, lightClass);
     lpfloat s2 = H * (lpfloat(2.0) - H);
-    // The overlap's rim is the light's own, or less where it is the smaller.
+    // The rim of the overlap; LIGHTS_MEDIUM takes the light's own, which is the same or larger.
     lpvec2 rim = lightClass == LIGHTS_MEDIUM ? lpvec2(light.rim, light.rimSlope) : rimOf(sqrt(s2));
     lpfloat e = PI * s2 * horizonCosine(z, rim.x, rim.y);
     return lightClass == LIGHTS_MEDIUM ? e : min(e, irradianceAboveHorizon(normal, light));
 }
 
-// The share of a light's E inside an aperture. Of a light up to 10 degrees it is the share of its solid angle: that its
-// open part lies higher or lower above the horizon than its middle is left out.
+// The fraction of a light's E inside an aperture, 0..1. For lights up to 10 degrees it is the fraction of the solid
+// angle, which neglects that the open part lies higher or lower above the horizon than the light's centre.
 APERTURA_FN lpfloat visibleFraction(lpvec3 normal, Aperture aperture, CapLight light, int lightClass) {
     if (lightClass != LIGHTS_ANY) {
         Overlap o = overlapOf(distanceOf(aperture.axis, light.axis), aperture.height, aperture.terms, light, lightClass);
@@ -135,10 +136,10 @@ APERTURA_FN lpfloat visibleFraction(lpvec3 normal, Aperture aperture, CapLight l
         lpfloat(0.0), lpfloat(1.0));
 }
 
-// The share of a light's E inside an aperture of any height: one over a hemisphere is what its complement
-// leaves; its size is that one's already.
+// visibleFraction for an aperture of any height. If it is larger than a hemisphere, the result is 1 - the fraction inside
+// its complement, and its `terms` must be those of the complement.
 APERTURA_FN lpfloat visibleFractionOfEither(lpvec3 normal, Aperture aperture, CapLight light, int lightClass) {
-    if (lightClass >= LIGHTS_SMALL) {  // its edge is a chord across the light's disc
+    if (lightClass >= LIGHTS_SMALL) {  // the aperture's edge is a chord across the light's disc
         lpfloat inside = (dot(aperture.axis, light.axis) - lpfloat(1.0) + aperture.height) * aperture.terms.z;
         return discFraction(clamp(lpfloat(0.5) + lpfloat(0.5) * inside * light.inverseSin, lpfloat(0.0), lpfloat(1.0)));
     }
@@ -160,15 +161,16 @@ APERTURA_FN lpfloat visibleFractionOfEither(lpvec3 normal, Aperture aperture, Ca
     return large ? lpfloat(1.0) - share : share;
 }
 
-// 1 over the deviation of an aperture's plane across a light. `along`: the cosine between their axes, both unit.
+// 1 over the standard deviation of dot(axis, w) over a light's directions w, in the unit of `covariance`. `along`: the
+// cosine between the two axes.
 APERTURA_FN lpfloat inverseDeviationOfCap(lpfloat along, CapLight light) {
     return inversesqrt(max(covariance(lpfloat(1.0), along, along, light), lpsmall(1e-12)));
 }
 
-// E of a cap light through the intersection of two apertures or, where `complement` is 1, through what it
-// leaves. A cap less an anti-cap is one with a large cap, its complement; two caps are what two large ones
-// leave. How much of the light both hold depends on how their edges lie to each other as the light sees it.
-// `between`: the cosine between their axes.
+// E of a cap light through the intersection of two apertures or, where `complement` is 1, through the complement of the
+// intersection. A cap minus an anti-cap is the intersection with a cap larger than a hemisphere; a union is the
+// complement of the intersection of two complements. How much of the light is inside both depends on how their edges are
+// aligned across it. `between`: the cosine between their axes.
 APERTURA_FN lpfloat irradianceThroughTwoCaps(lpvec3 normal, Aperture a, Aperture b, lpfloat between, lpfloat complement, CapLight light,
                                              int lightClass) {
     lpfloat p = visibleFractionOfEither(normal, a, light, lightClass);

@@ -3,8 +3,8 @@
 #include "frame.glsl"
 #include "models.glsl"
 
-// What a model costs: one receiver an invocation from a buffer that holds nothing more than the model reads,
-// one light in a uniform buffer. Compiled, and timed, for every model alike; nothing here is left out of it.
+// What a model costs: one receiver per invocation, from a buffer that holds nothing more than the model reads, and one
+// light in a uniform buffer. This is compiled and timed for every model alike, and the cost includes all of it.
 layout(constant_id = 0) const int model = MODEL_SOFT;
 layout(constant_id = 1) const int lightClass = LIGHTS_ANY;
 layout(constant_id = 2) const uint slots = 1;

@@ -1,4 +1,4 @@
-// One evaluation of a model: what evaluate.comp reads, laid out alike (std430) in GLSL and in C++.
+// One evaluation of a model, as evaluate.comp reads it: the same layout (std430) in GLSL and in C++.
 #ifndef APERTURA_EVALUATE_GLSL
 #define APERTURA_EVALUATE_GLSL
 #include "models.glsl"

@@ -1,12 +1,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types_float16 : require
-// evaluate.comp in 16-bit floats: a receiver and a light come in 32 bits, as a processor made them, and everything that
-// depends on both is computed in 16.
+// evaluate.comp in 16-bit floats: receivers and lights arrive in 32 bits, as the CPU made them; all that depends on both
+// is computed in 16.
 #define APERTURA_HALF
 #include "models.glsl"
 
-// The same text once more in 32 bits, for what is made of a light alone.
+// The same text again in 32 bits, for what depends on a light alone.
 #undef APERTURA_HALF
 #undef APERTURA_CAP_GLSL
 #define CapLight WideLight

@@ -1,15 +1,15 @@
-// What a frame is lit by, and what is drawn: the buffers of scene.vert and scene.frag, laid out alike in
-// GLSL (std140, std430) and in C++ (runtime/render/renderer.cpp).
+// What lights a frame, and what is drawn: the buffers of scene.vert and scene.frag, with the same layout in GLSL (std140,
+// std430) and in C++ (runtime/render/renderer.cpp).
 #ifndef APERTURA_FRAME_GLSL
 #define APERTURA_FRAME_GLSL
 #include "cap.glsl"
 
 const int MAX_LIGHTS = 16;
 
-// A directional light with an angular radius, or a glowing sphere at a place.
+// A directional light with an angular radius, or a glowing sphere.
 struct APERTURA_STD140 Light {
-    CapLight cap;   // of a directional light
-    vec4 sphere;    // of a sphere: xyz its centre, w its radius > 0, metres; of a directional light: zeros
+    CapLight cap;   // the directional light
+    vec4 sphere;    // xyz: the centre of the sphere, w: its radius > 0, metres; zeros for a directional light
     vec4 radiance;  // rgb, W/m2/sr
 };
 
@@ -17,9 +17,9 @@ APERTURA_FN bool isSphere(Light light) { return light.sphere.w > 0.0f; }
 
 struct Frame {
     mat4 toClip;
-    vec4 sky;      // rgb, W/m2/sr, from everywhere that no light fills
+    vec4 sky;      // rgb, W/m2/sr, from all directions that no light fills
     vec4 albedo;   // rgb, 0..1
-    ivec4 counts;  // x: lights
+    ivec4 counts;  // x: number of lights, 0..MAX_LIGHTS
     Light lights[MAX_LIGHTS];
 };
 

@@ -4,7 +4,8 @@
 #define APERTURA_HARMONICS_GLSL
 #include "cap.glsl"
 
-// Band 2 as xy, yz, 3z2-1, xz | x2-y2; band 3 and 4 in order of m. As vec4s, because that is how they travel.
+// Band 2 in the order xy, yz, 3z2-1, xz, x2-y2; bands 3 and 4 in order of m. Grouped in vec4s, like the slots of a
+// receiver.
 struct HighBands {
     lpvec4 c[6];  // 4..7 | 8..11 | ... | 24 in c[5].x
 };
@@ -37,7 +38,7 @@ APERTURA_FN HighBands highBands(lpvec3 w) {
     return b;
 }
 
-// What averaging over a cap of this height, 1 - cos(radius), leaves of the bands 1 to 4.
+// The factors by which averaging over a cap of this height, 1 - cos(radius), scales the bands 1 to 4.
 APERTURA_FN lpvec4 capBlur(lpfloat height) {
     lpfloat c = lpfloat(1.0) - height;
     lpfloat half1 = lpfloat(0.5) * (lpfloat(1.0) + c);

@@ -1,12 +1,13 @@
-// RIVAL: a horizon map, after Max, "Horizon Mapping: Shadows for Bump-Mapped Surfaces", 1988: the height of
-// the horizon at 16 azimuths about the normal. GLSL and C++ include this text.
+// RIVAL: a horizon map, after Max, "Horizon Mapping: Shadows for Bump-Mapped Surfaces", 1988: the elevation of the
+// horizon at 16 azimuths about the normal. GLSL and C++ include this text.
 #ifndef APERTURA_HORIZON_GLSL
 #define APERTURA_HORIZON_GLSL
 #include "aperture.glsl"
 
 const int HORIZON_AZIMUTHS = 16;
 
-// E of a cap light over a horizon: sine of its elevation at 16 azimuths, linear in between.
+// E of a cap light over a horizon. h0..h3: sines of elevation at 16 azimuths, counter-clockwise about the normal from
+// tangentTo(normal); linear in between.
 APERTURA_FN lpfloat irradianceOverHorizon(lpvec3 normal, lpvec4 h0, lpvec4 h1, lpvec4 h2, lpvec4 h3, CapLight light, int lightClass) {
     lpvec3 tangent = tangentTo(normal);
     lpfloat x = dot(tangent, light.axis);

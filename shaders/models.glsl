@@ -1,15 +1,15 @@
-// The visibility models: what each makes of one light and of the sky.
-// GLSL and C++ include this text; sh/models.cpp names them and says what they store.
+// The visibility models: the irradiance that each gives for one light and for the sky.
+// GLSL and C++ include this text; sh/models.cpp names the models and says what they store.
 #ifndef APERTURA_MODELS_GLSL
 #define APERTURA_MODELS_GLSL
 #include "harmonics.glsl"
 #include "horizon.glsl"
 #include "several.glsl"
 
-// What irradianceThrough returns where a model has none: no irradiance is below zero.
+// Returned by irradianceThrough for an unknown model: irradiance is never below zero.
 const lpfloat NO_FORMULA = -lpfloat(1.0);
 
-// Visibility averaged over a cap light, from its SH up to band `bands`.
+// Visibility averaged over a cap light, 0..1, from its SH bands 0 to `bands` (1, 2 or 4).
 APERTURA_FN lpfloat shVisibility(Receiver receiver, CapLight light, int bands) {
     lpvec4 blur = capBlur(light.height);
     lpfloat v = (receiver.visibility.w + lpfloat(3.0) * blur.x * dot(lpvec3(receiver.visibility), light.axis)) / (lpfloat(4.0) * PI);
@@ -25,8 +25,8 @@ APERTURA_FN lpfloat shVisibility(Receiver receiver, CapLight light, int bands) {
     return clamp(v, lpfloat(0.0), lpfloat(1.0));
 }
 
-// No light brings more than all of the sky does, dot(normal, D), which is known exactly: so no large one shines through an
-// opening that is smaller than its formula's error.
+// E, at most that of the whole sky, dot(normal, D), which is known exactly: no large light shines through an opening that
+// is smaller than its formula's error. Only LIGHTS_ANY needs it.
 APERTURA_FN lpfloat atMostTheSky(lpfloat e, Receiver receiver, int lightClass) {
     return lightClass == LIGHTS_ANY ? min(e, max(dot(receiver.normal, lpvec3(receiver.visibility)), lpfloat(0.0))) : e;
 }
@@ -44,9 +44,10 @@ APERTURA_FN lpfloat irradianceThroughCapAnti(Receiver receiver, CapLight light, 
     return irradianceThroughTwoCaps(receiver.normal, caps.first, caps.second, caps.axesDot, caps.weight, light, lightClass);
 }
 
-// E of a cap light by the model that MODEL_AUTO chose for the receiver. For lights over 10 degrees, which may be larger than the
-// blocker that a soft aperture stands for, that becomes a quadric without a bend: it takes the light in four parts. A ladder, because
-// Mesa compiles a switch over what differs from pixel to pixel to twice the cycles.
+// E of a cap light by the model that MODEL_AUTO chose for the receiver. A light over 10 degrees may be larger than the
+// blocker that a soft aperture stands for, so LIGHTS_ANY evaluates MODEL_SOFT as a quadric without a bend, which divides
+// the light into four. A chain of ifs, because Mesa compiles a switch over a value that differs between pixels to twice
+// the cycles.
 APERTURA_FN lpfloat irradianceThroughChoice(Receiver receiver, CapLight light, int lightClass) {
     lpvec3 n = receiver.normal;
     int chosen = choiceIn(receiver.params[CHOICE_SLOT]).model;
@@ -61,8 +62,10 @@ APERTURA_FN lpfloat irradianceThroughChoice(Receiver receiver, CapLight light, i
     return NO_FORMULA;
 }
 
-// E of a cap light at the receiver, by the formula of `model`. `lightClass`: the least of LIGHTS_... that covers the light.
-// NO_FORMULA for a number that is no model's.
+// E of a cap light at the receiver, by the formula of `model`; NO_FORMULA for a number that is no model's.
+//   model       MODEL_..., best a specialisation constant
+//   receiver    its params as toParams (sh/models.h) makes them; see renormalised where they were interpolated
+//   lightClass  of the LIGHTS_... that cover the light, the one with the smallest radius; best a constant, too
 APERTURA_FN lpfloat irradianceThrough(int model, Receiver receiver, CapLight light, int lightClass) {
     lpvec3 n = receiver.normal;
     lpfloat open = unoccludedIrradiance(n, light, lightClass);
@@ -100,8 +103,8 @@ APERTURA_FN lpfloat irradianceThrough(int model, Receiver receiver, CapLight lig
     return e;
 }
 
-// E of a sky of unit radiance all around. It is exactly dot(normal, D), which every asset has; the
-// published method and plain occlusion know only the cap, or its area.
+// E of a sky of unit radiance all around. It is exactly dot(normal, D), which every asset has. MODEL_OAT knows only its
+// cap, MODEL_AO only the area.
 APERTURA_FN lpfloat skyIrradiance(int model, Receiver receiver) {
     switch (model) {
         case MODEL_UNSHADOWED: return PI;

@@ -1,8 +1,8 @@
-// The numbers that the formulas are computed in: 32-bit floats, or 16-bit ones where APERTURA_HALF is defined and
-// GL_EXT_shader_explicit_arithmetic_types_float16 is enabled. It may be included again for the other kind. C++ has its own in
-// sh/shading.h.
-//   lpsmall(x)  a small number that keeps a quotient finite; in 16 bits the least normal one
-//   lplarge(x)  a number beyond all others; in 16 bits one whose square is still finite
+// The number types of the formulas: 32-bit floats, or 16-bit floats where APERTURA_HALF is defined and
+// GL_EXT_shader_explicit_arithmetic_types_float16 is enabled. It may be included again for the other type. C++ has its
+// own types in sh/shading.h.
+//   lpsmall(x)  a small number that keeps a quotient finite; in 16 bits, the least normal number
+//   lplarge(x)  a number beyond all others; in 16 bits, a number whose square is still finite
 #undef lpfloat
 #undef lpvec2
 #undef lpvec3

@@ -1,5 +1,5 @@
-// The visibility models' numbers, and what a shader holds of one receiver. GLSL and C++ include this text; sh/models.cpp
-// names the models and says what they store.
+// The numbers of the visibility models, and what a shader holds of one receiver. GLSL and C++ include this text;
+// sh/models.cpp names the models and says what they store.
 #ifndef APERTURA_RECEIVER_GLSL
 #define APERTURA_RECEIVER_GLSL
 #include "aperture.glsl"
@@ -28,7 +28,7 @@ const int MODEL_HORIZON = 19;
 const int MODEL_AUTO = 20;
 const int MODEL_COUNT = 21;
 
-// The vec4s that a model's parameters of one point take in the shader, at most.
+// The most vec4s that the parameters of one point take, in any model.
 const int MAX_SLOTS = 6;
 
 // What one receiver sees. The slots of `params` hold, by model:
@@ -42,20 +42,20 @@ const int MAX_SLOTS = 6;
 //   sh-l2, sh-l4     SH coefficients of band 2 and above, in turn
 //   horizon          sines of elevation, in turn
 //   auto             what the chosen model has, and its Choice in CHOICE_SLOT
-// The functions below are the only ones that know which letter of a slot is what.
+// Only the functions below know which component of a slot is what.
 struct Receiver {
     lpvec3 normal;             // unit
     lpvec4 visibility;         // D, A, sr
-    lpvec4 params[MAX_SLOTS];  // axes unit: see renormalised
+    lpvec4 params[MAX_SLOTS];  // unit axes; see renormalised
 };
 
 APERTURA_FN SoftAperture softIn(lpvec4 slot) { return SoftAperture(lpvec3(slot), slot.w); }
 
-// The aperture of a slot whose terms stand elsewhere, or are not needed.
+// The aperture of a slot. `terms` stand elsewhere, or are not needed.
 APERTURA_FN Aperture apertureIn(lpvec4 slot, lpvec3 terms) { return Aperture(lpvec3(slot), slot.w, terms); }
 APERTURA_FN lpvec4 slotOf(Aperture aperture) { return lpvec4(aperture.axis, aperture.height); }
 
-// The one aperture of `aperture` and `alpha`, and how much of the light it lets through, 0..1.
+// The one aperture of `aperture` and `alpha`; opacityIn: the fraction of the light that it lets through, 0..1.
 APERTURA_FN Aperture onlyApertureIn(Receiver receiver) {
     lpvec4 second = receiver.params[1];
     return apertureIn(receiver.params[0], lpvec3(second.y, second.z, second.w));
@@ -71,8 +71,8 @@ APERTURA_FN Receiver withAperture(Receiver receiver, Aperture aperture, lpfloat 
 struct TwoCaps {
     Aperture first;
     Aperture second;
-    lpfloat weight;   // anti: the share of the anti-aperture, 0..1; cap-anti: 1 where what both let through is what is blocked
-    lpfloat axesDot;  // of cap-anti
+    lpfloat weight;   // anti: the weight of the anti-aperture, 0..1; cap-anti: 1 where the intersection is blocked, 0 where it is open
+    lpfloat axesDot;  // cap-anti: the cosine between the two axes
 };
 APERTURA_FN TwoCaps twoCapsIn(Receiver receiver) {
     lpvec4 rest = receiver.params[2];
@@ -88,7 +88,7 @@ APERTURA_FN Receiver withTwoCaps(Receiver receiver, TwoCaps caps) {
     return receiver;
 }
 
-// Aperture k of `count`, whose union is what is open. Two of its terms are all that the union needs.
+// Aperture k of the `count` whose union is open. The union needs only two of its terms.
 APERTURA_FN Aperture apertureOfUnion(Receiver receiver, int count, int k) {
     lpvec4 two = receiver.params[count + k / 2];
     lpvec2 own = (k & 1) == 0 ? lpvec2(two.x, two.y) : lpvec2(two.z, two.w);
@@ -102,10 +102,10 @@ APERTURA_FN Receiver withApertureOfUnion(Receiver receiver, int count, int k, Ap
     return receiver;
 }
 
-// How lobes go together: see combineLobes (several.glsl).
+// How lobes are combined: see combineLobes (several.glsl).
 struct Combination {
-    lpfloat complement;  // 1: what the lobes let through together is what is blocked; 0: what is open
-    lpfloat pairs;       // how many pairs of lobes stand for the complement of their product: 0, 1, 2
+    lpfloat complement;  // 1: the product of the lobes is what is blocked; 0: it is what is open
+    lpfloat pairs;       // how many pairs of lobes, 0 to 2, enter the product as 1 - their own product
 };
 APERTURA_FN Combination combinationIn(lpvec4 slot) { return Combination(slot.x, slot.w); }
 APERTURA_FN lpvec4 withCombination(lpvec4 slot, Combination c) { return lpvec4(c.complement, slot.y, slot.z, c.pairs); }
@@ -125,21 +125,21 @@ struct Choice {
     int model;        // MODEL_...
     bool outOfReach;  // no model came within the tolerance
 };
-const int CHOICE_SLOT = 4;  // four lobes have their Combination in its other letters
+const int CHOICE_SLOT = 4;  // four lobes have their Combination in its other components
 APERTURA_FN Choice choiceIn(lpvec4 slot) { return Choice(int(slot.y + lpfloat(0.5)), slot.z > lpfloat(0.5)); }
 APERTURA_FN lpvec4 withChoice(lpvec4 slot, Choice choice) {
     return lpvec4(slot.x, lpfloat(choice.model), choice.outOfReach ? lpfloat(1.0) : lpfloat(0.0), slot.w);
 }
 
-// An axis made unit again; where nothing is left of it the normal is the best guess.
+// An aperture with its axis made unit again, or the normal in its place where nothing is left of it.
 APERTURA_FN Aperture renormalisedAperture(lpvec4 slot, lpvec3 normal) {
     lpvec3 axis = lpvec3(slot);
     lpfloat squared = dot(axis, axis);
     return makeAperture(squared > lpsmall(1e-8) ? axis * inversesqrt(squared) : normal, slot.w);
 }
 
-// A receiver whose parameters were interpolated, ready for its model: the axes of apertures have become shorter, and
-// their terms are made anew.
+// A receiver whose parameters were interpolated, prepared for its model. Interpolation shortens the axes of apertures;
+// they are made unit, and their terms are computed anew.
 APERTURA_FN Receiver renormalised(int model, Receiver receiver) {
     switch (model) {
         case MODEL_OAT: receiver.params[0] = slotOf(renormalisedAperture(receiver.params[0], receiver.normal)); break;

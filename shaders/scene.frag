@@ -3,12 +3,12 @@
 #include "models.glsl"
 #include "scene.glsl"
 
-// One pipeline a model and class of lights.
+// One pipeline per model and class of lights.
 layout(constant_id = 0) const int model = MODEL_SOFT;
 layout(constant_id = 1) const int lightClass = LIGHTS_ANY;
-layout(constant_id = 2) const uint slots = 1;                                          // of the parameters
-layout(constant_id = 3) const bool mixes = true;                                       // parameters may be interpolated
-layout(std430, set = 0, binding = 3) readonly buffer AllParams { vec4 allParams[]; };  // `slots` a vertex
+layout(constant_id = 2) const uint slots = 1;                                          // vec4s of the parameters of a vertex
+layout(constant_id = 3) const bool mixes = true;                                       // the parameters may be interpolated
+layout(std430, set = 0, binding = 3) readonly buffer AllParams { vec4 allParams[]; };  // `slots` per vertex
 
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
@@ -19,7 +19,7 @@ layout(location = 0) out vec4 colour;  // reflected radiance, linear
 
 Receiver receiver;
 
-// Irradiance of the lights and, in `sky`, of the sky; returns what the lights give for unit radiance.
+// Adds the lights to `irradiance` and the sky's E to `sky`, both times `share`. Returns the lights' E for unit radiance.
 float lightReceiver(float share, inout vec3 irradiance, inout float sky) {
     float lit = 0.0;
     for (int i = 0; i < frame.counts.x; ++i) {
@@ -45,14 +45,14 @@ void main() {
         receiver = renormalised(model, receiver);
         lit = lightReceiver(1.0, irradiance, sky);
     } else {
-        // Lobes of neighbours need not belong together: the light through each is interpolated instead.
+        // The lobes of neighbouring vertices need not correspond: the light at the three corners is interpolated instead.
         for (int c = 0; c < 3; ++c) {
             receiver.visibility = vertices[corners[c]].visibility;
             for (uint k = 0; k < slots; ++k) receiver.params[k] = allParams[corners[c] * slots + k];
             lit += lightReceiver(weights[c], irradiance, sky);
         }
     }
-    // The sky fills what the lights leave of the opening.
+    // The sky fills the part of the opening that the lights leave.
     irradiance += max(sky - lit, 0.0) * frame.sky.rgb;
     colour = vec4(frame.albedo.rgb / PI * irradiance, 1.0);
 }

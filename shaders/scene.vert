@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "scene.glsl"
 
-// The three corners of the triangle, and how much of each the fragment is.
+// For the fragments: the three corners of the triangle (indices of vertices) and their barycentric weights.
 layout(location = 0) out vec3 worldPosition;
 layout(location = 1) out vec3 worldNormal;
 layout(location = 2) out vec3 weights;

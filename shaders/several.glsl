@@ -1,10 +1,10 @@
-// What several lobes or apertures let through together. GLSL and C++ include this text.
+// The light that several lobes or apertures let through together. GLSL and C++ include this text.
 #ifndef APERTURA_SEVERAL_GLSL
 #define APERTURA_SEVERAL_GLSL
 #include "receiver.glsl"
 
-// The mean visibility of `count` lobes, two to four, from the mean products of their factors. Lobes 0 and 1 of more than
-// two, and 2 and 3 of four, may be a pair, which lets through what the product of the two leaves of 1.
+// The mean visibility of `count` lobes, 2 to 4, from the mean products of their factors. Lobes 0 and 1 of three or more,
+// and lobes 2 and 3 of four, may be a pair: its factor is 1 - the product of the two.
 APERTURA_FN lpfloat combineLobes(int count, MeanProducts m, Combination c) {
     lpfloat product = m.all;
     if (count >= 3 && c.pairs > lpfloat(0.5))
@@ -12,8 +12,10 @@ APERTURA_FN lpfloat combineLobes(int count, MeanProducts m, Combination c) {
     return c.complement > lpfloat(0.5) ? lpfloat(1.0) - product : product;
 }
 
-// The products of `count` lobes or apertures over a light, from what each lets through or keeps back. `along`: dot of
-// each one's slope or axis and the light's; `inverseDeviation`: of each, 1 over its deviation.
+// The mean products of `count` lobes or apertures, 2 to 4, over a light.
+//   p                 the mean of what each lets through (lobes) or blocks (apertures)
+//   along             dot of each slope or axis with the light's axis
+//   inverseDeviation  inverseDeviationOfLobe or inverseDeviationOfCap of each
 APERTURA_FN MeanProducts productsOver(Receiver receiver, int count, lpvec4 p, lpvec4 along, lpvec4 inverseDeviation, CapLight light) {
     lpvec3 s[4];
     for (int k = 0; k < 4; ++k) s[k] = lpvec3(receiver.params[min(k, count - 1)]);
@@ -27,7 +29,7 @@ APERTURA_FN MeanProducts productsOver(Receiver receiver, int count, lpvec4 p, lp
     return meanProducts(count, p, w1, w2, w3);
 }
 
-// E of a cap light through `count` lobes, two to four.
+// E of a cap light through `count` lobes, 2 to 4.
 APERTURA_FN lpfloat irradianceThroughLobes(Receiver receiver, int count, CapLight light, int lightClass) {
     lpvec3 n = receiver.normal;
     Combination combine = combinationIn(receiver.params[count]);
@@ -63,8 +65,8 @@ APERTURA_FN lpfloat irradianceThroughLobes(Receiver receiver, int count, CapLigh
     return unoccludedIrradiance(n, light, lightClass) * visible;
 }
 
-// The share of a cap light that at least one of two to four apertures lets through: what the product of what each
-// keeps back leaves of 1.
+// The fraction of a cap light, 0..1, that at least one of `count` apertures, 2 to 4, lets through: 1 - the product of
+// what each blocks.
 APERTURA_FN lpfloat visibleFractionOfUnion(Receiver receiver, int count, CapLight light, int lightClass) {
     lpvec4 kept = lpvec4(lpfloat(1.0));
     lpvec4 along = lpvec4(lpfloat(0.0));

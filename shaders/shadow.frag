@@ -21,7 +21,7 @@ float depthAt(vec2 uv) {
     return texelFetch(shadowMap, texel, 0).r;
 }
 
-// A disc of evenly spread points, turned by an angle of the pixel's own.
+// Point i of a Fibonacci lattice on the unit disc, rotated by `turn` radians, which differ from pixel to pixel.
 vec2 tap(int i, float turn) {
     float angle = 2.399963 * float(i) + turn;
     return sqrt((float(i) + 0.5) / float(TAPS)) * vec2(cos(angle), sin(angle));
@@ -34,9 +34,10 @@ void main() {
     vec4 clip = shadow.toLight * vec4(worldPosition + 2.0 * shadow.shape.z * normal, 1.0);
     vec2 uv = 0.5 * clip.xy + 0.5;
     float here = clip.z;
-    // The surface itself rises across the disc: the map's depth by its texture coordinates.
+    // The slope of the surface itself across the disc: the map's depth per texture coordinate.
     vec2 rise = -seen.xy / max(seen.z, 0.15) * shadow.towards.w / vec2(shadow.right.w, -shadow.up.w);
-    vec2 reach = shadow.shape.x / shadow.towards.w * vec2(shadow.right.w, shadow.up.w);  // of the light, a unit of depth
+    // The light's radius in texture coordinates, per unit of depth.
+    vec2 reach = shadow.shape.x / shadow.towards.w * vec2(shadow.right.w, shadow.up.w);
     float turn = 6.2831853 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
 
     float sum = 0.0, count = 0.0;

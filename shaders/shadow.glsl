@@ -1,5 +1,5 @@
-// BASELINE: a shadow map of one light from a direction, with percentage-closer soft shadows (Fernando,
-// "Percentage-Closer Soft Shadows", SIGGRAPH sketch 2005). Laid out alike (std140) in GLSL and in C++.
+// BASELINE: a shadow map of one directional light, with percentage-closer soft shadows (Fernando, "Percentage-Closer Soft
+// Shadows", SIGGRAPH sketch 2005). The same layout (std140) in GLSL and in C++.
 #ifndef APERTURA_SHADOW_GLSL
 #define APERTURA_SHADOW_GLSL
 

@@ -1,6 +1,6 @@
 // Soft apertures: visibility as a smooth step across a plane through the directions,
-// V(w) = softStep(offset + dot(slope, w)), softStep(f) = 1/2 + f / (2 sqrt(1 + f^2)), and what is made of several.
-// One carries all four SH coefficients, where a cap carries three. Models of our own.
+// V(w) = softStep(offset + dot(slope, w)), softStep(f) = 1/2 + f / (2 sqrt(1 + f^2)), and models made of several. One
+// soft aperture holds all four SH coefficients, where a cap holds three. Models of our own.
 // GLSL and C++ include this text.
 #ifndef APERTURA_SOFT_GLSL
 #define APERTURA_SOFT_GLSL
@@ -8,20 +8,21 @@
 
 // The open directions around a point, soft-edged.
 struct SoftAperture {
-    lpvec3 slope;  // towards the open side; its length is the sharpness: 0 even haze, 10 a hard edge
+    lpvec3 slope;  // towards the open side; its length is the sharpness: 0 an even haze, 10 a hard edge
     lpfloat offset;
 };
 
 APERTURA_FN lpfloat softStep(lpfloat f) { return lpfloat(0.5) + lpfloat(0.5) * f * inversesqrt(lpfloat(1.0) + f * f); }
 
-// How a plane is averaged over a cap light: constants fitted to the integral, with a price on steps that no light makes.
+// The constants of an average of softStep over a cap light: fitted to the integral, with a penalty on steps that no light
+// makes.
 struct DiscLaw {
-    lpfloat shrink;    // the centre's way to the cap's centroid, in heights of the cap
-    lpfloat lean;      // of a light that the horizon cuts, towards the part that is left, in sines of its radius,
-    lpfloat leanLess;  // and less with each unit of its cosine to the normal
-    lpfloat across;    // squared half breadth of the line that stands for the disc, in squared sines,
-    lpfloat through;   // and for the bulge, in squared heights
-    lpfloat ends;      // of the line: 1 sharp; a disc's edges come in more softly
+    lpfloat shrink;    // how far the centre moves to the cap's centroid, in heights of the cap
+    lpfloat lean;      // how far it moves to the part of a light that the horizon leaves, in sines of its radius,
+    lpfloat leanLess;  // minus this, times its cosine to the normal
+    lpfloat across;    // squared half width of the line that stands for the disc, in squared sines of the radius,
+    lpfloat through;   // plus this for the cap's bulge, in squared heights
+    lpfloat ends;      // the line's ends: 1 sharp, less is softer, as a disc's edges are
 };
 APERTURA_FN DiscLaw wholeDisc(lpfloat across, lpfloat ends) {
     return DiscLaw(lpfloat(0.5084), lpfloat(0.5032), lpfloat(0.1667), across, lpfloat(0.22), ends);
@@ -29,8 +30,9 @@ APERTURA_FN DiscLaw wholeDisc(lpfloat across, lpfloat ends) {
 APERTURA_FN DiscLaw quarterDisc(lpfloat across, lpfloat ends) {
     return DiscLaw(lpfloat(0.5677), lpfloat(0.3954), lpfloat(0.1008), across, lpfloat(0.2322), ends);
 }
-// Each as sharp as lets no light that crosses the built-in scenes step further than its rim sweeps (of three lobes 3 %): of
-// several lobes edges may be one, and the plane of a quadric turns from quarter to quarter.
+// Each law is as sharp as possible while no light that crosses the built-in scenes steps further than its rim sweeps (3 %
+// further for three lobes). Lobes and quadrics have laws of their own: edges of several lobes may coincide, and the plane
+// of a quadric turns from quarter to quarter.
 APERTURA_FN DiscLaw softDisc() { return wholeDisc(lpfloat(0.65), lpfloat(0.87)); }
 APERTURA_FN DiscLaw lobeDisc() { return wholeDisc(lpfloat(0.68), lpfloat(0.88)); }
 APERTURA_FN DiscLaw lobeQuarter(int count) {
@@ -38,8 +40,8 @@ APERTURA_FN DiscLaw lobeQuarter(int count) {
 }
 APERTURA_FN DiscLaw quadricQuarter() { return quarterDisc(lpfloat(0.89), lpfloat(0.74)); }
 
-// The mean of softStep(f) over a cap light, weighed by the cosine to the normal: f is `centre` at the light's
-// axis and has the gradient `slope`. The integral of softStep has a closed form along a line; the disc is near to one.
+// The mean of softStep(f) over a cap light, weighted by the cosine to the normal, 0..1. f is `centre` at the light's axis
+// and has the gradient `slope`. The integral of softStep has a closed form along a line, and the disc is close to a line.
 APERTURA_FN lpfloat softStepOverLight(lpvec3 normal, lpfloat centre, lpvec3 slope, CapLight light, DiscLaw law) {
     lpfloat z = dot(normal, light.axis);
     lpfloat s = light.sinRadius;
@@ -48,7 +50,8 @@ APERTURA_FN lpfloat softStepOverLight(lpvec3 normal, lpfloat centre, lpvec3 slop
     lpfloat f = centre - law.shrink * light.height * along + lean * (dot(slope, normal) - along * z);
     lpfloat through = light.height * along;
     lpfloat q2 = law.across * s * s * max(dot(slope, slope) - along * along, lpfloat(0.0)) + law.through * through * through;
-    // Along a line 1/2 + f / (sqrt(1 + (f + q)^2) + sqrt(1 + (f - q)^2)), with one root less, in numbers that a half holds.
+    // Along a line of half width q the mean is 1/2 + f / (sqrt(1 + (f + q)^2) + sqrt(1 + (f - q)^2)); here with one root
+    // less, and with numbers that 16-bit floats can hold.
     f = clamp(f, -lplarge(1e6), lplarge(1e6));
     q2 = min(q2, lplarge(1e6) * lplarge(1e6));
     lpfloat b = lpfloat(1.0) + f * f + q2;
@@ -57,12 +60,12 @@ APERTURA_FN lpfloat softStepOverLight(lpvec3 normal, lpfloat centre, lpvec3 slop
     return clamp(lpfloat(0.5) + lpfloat(0.5) * f * inversesqrt(lpfloat(0.5) * b * (lpfloat(1.0) + root)), lpfloat(0.0), lpfloat(1.0));
 }
 
-// Of a light so small that it is a point.
+// The visibility of a light so small that it is a point.
 APERTURA_FN lpfloat lobeAt(SoftAperture lobe, CapLight light) { return softStep(lobe.offset + dot(lobe.slope, light.axis)); }
 
-// The mean of softStep over a small light or one of medium size, cheaply: the line's breadth is one more term under
-// the root. It is as broad as makes an edge no steeper than the light itself does, whose rim is all that a hard
-// edge can sweep: half as broad would be nearer to the integral, and step.
+// The mean of softStep over a small or medium light, cheaply: the line's width is one more term under the root. It is so
+// wide that no edge is steeper than the light's own, whose rim is all that a hard edge can sweep. Half that width would
+// be closer to the integral, but would step.
 APERTURA_FN lpfloat lobeOverMedium(SoftAperture lobe, CapLight light) {
     lpfloat along = dot(lobe.slope, light.axis);
     lpfloat f = lobe.offset + along * light.shrink;
@@ -70,9 +73,9 @@ APERTURA_FN lpfloat lobeOverMedium(SoftAperture lobe, CapLight light) {
     return lpfloat(0.5) + lpfloat(0.5) * f * inversesqrt(lpfloat(1.0) + f * f + across);
 }
 
-// E of a cap light through a soft aperture, cut by the receiver's horizon. Of the model's own integral over
-// the light it is within 0.010 RMS (0.10 max) for radii 0.27..45 degrees, and in the cheaper classes within
-// 0.008 (small) and 0.017 (medium): tests/soft_test.cpp.
+// E of a cap light through a soft aperture, cut by the receiver's horizon. Error of E / (pi sin^2 r) from the model's own
+// integral over the light: 0.010 RMS (0.10 max) for radii 0.27..45 degrees; RMS of the cheaper classes 0.010 (sun), 0.008
+// (small) and 0.017 (medium): tests/soft_test.cpp.
 APERTURA_FN lpfloat irradianceThroughSoft(lpvec3 normal, SoftAperture soft, CapLight light, int lightClass) {
     lpfloat visible = lpfloat(0.0);
     if (lightClass == LIGHTS_SUN) {
@@ -85,23 +88,25 @@ APERTURA_FN lpfloat irradianceThroughSoft(lpvec3 normal, SoftAperture soft, CapL
     return unoccludedIrradiance(normal, light, lightClass) * visible;
 }
 
-// 1 over the deviation of a lobe's plane across a light, in sines of its radius, with a term for how soft its edge is beside
-// the light: fitted to pairs of lobes, tests/soft_test.cpp. `along`: dot(slope, light.axis).
+// 1 over the standard deviation of dot(slope, w) over a light's directions w, in the unit of `covariance`, with a term
+// for how soft the edge is compared with the light: fitted to pairs of lobes, tests/soft_test.cpp. `along`: dot(slope,
+// light.axis).
 APERTURA_FN lpfloat inverseDeviationOfLobe(lpvec3 slope, lpfloat along, CapLight light) {
     lpfloat s = light.sinRadius;
     return s * inversesqrt(lpfloat(3.2) + s * s * max(covariance(dot(slope, slope), along, along, light), lpfloat(0.0)));
 }
 
-// A large light as four smaller ones around its centre: what has no closed form over one disc is summed
-// over them. Each has the size of the light in `part`.
+// A large light as four smaller ones around its centre, for what has no closed form over one disc. `part` has the size of
+// each; its axis is to be replaced.
 struct FourLights {
     CapLight part;
     lpvec3 axis[4];
-    lpfloat weight[4];  // by their light above the horizon; sum 1
+    lpfloat weight[4];  // by E above the horizon; sum 1
 };
 
 APERTURA_FN FourLights quarters(lpvec3 normal, CapLight light) {
-    // The normal's tangent carried along to the light: it never turns at once, but for a light at the nadir.
+    // The normal's tangent, transported to the light's axis along the great circle: it never turns abruptly, except for a
+    // light at the nadir.
     lpvec3 n = normal * inversesqrt(max(dot(normal, normal), lpsmall(1e-30)));
     lpvec3 t = tangentTo(n);
     lpvec3 u = t - dot(t, light.axis) / max(lpfloat(1.0) + dot(n, light.axis), lpfloat(1e-3)) * (light.axis + n);
@@ -124,8 +129,8 @@ APERTURA_FN FourLights quarters(lpvec3 normal, CapLight light) {
     return four;
 }
 
-// A soft aperture whose step follows a quadric: softStep(offset + dot(slope, w) + w Q w), Q symmetric and
-// without trace.
+// A soft aperture whose step follows a quadric: V(w) = softStep(offset + dot(slope, w) + w Q w), Q symmetric and
+// traceless.
 struct SoftQuadric {
     lpvec3 slope;
     lpfloat offset;
@@ -138,7 +143,8 @@ APERTURA_FN lpvec3 bendTimes(SoftQuadric q, lpvec3 w) {
                   q.bend.w * w.x + q.bendYz * w.y - (q.bend.x + q.bend.y) * w.z);
 }
 
-// E of a cap light through it: the step's plane is the quadric's tangent at the light's quarters.
+// E of a cap light through a SoftQuadric. The step's plane is the quadric's tangent at the light's centre or, in
+// LIGHTS_ANY, at each of its quarters.
 APERTURA_FN lpfloat irradianceThroughQuadric(lpvec3 normal, SoftQuadric soft, CapLight light, int lightClass) {
     lpfloat visible = lpfloat(0.0);
     lpvec3 bend = bendTimes(soft, light.axis);

@@ -13,7 +13,7 @@
 namespace apertura {
 namespace {
 
-constexpr int kLambdaPoints = 400;  // over the surface, on which the Lagrange multiplier of `auto` is found
+constexpr int kLambdaPoints = 400;  // points over the surface, from which the Lagrange multiplier of `auto` is found
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 #pragma once
-// Visibility at points and at all vertices of a scene.
+// Bakes visibility at points and at all vertices of a scene.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,26 +11,27 @@
 namespace apertura {
 
 struct BakeOptions {
-    std::string_view recipe = "sh";  // of recipes()
-    double tolerance = 0.05;         // of the recipe "auto": RMSE of E / (L pi sin^2 r)
-    double lambda = 0;               // of "auto": see FitOptions; bakeVertices finds it itself
-    int rays = 256;                  // a point, 1 .. 1 << 20
-    uint32_t seed = 1;
-    double maxDistance = 0;  // of bakeVertices: metres beyond which nothing blocks; 0: no limit
-    int threads = 0;         // 0: all cores
+    std::string_view recipe = "sh";  // a name of recipes()
+    double tolerance = 0.05;         // "auto" only: the RMSE of E / (L pi sin^2 r) to keep
+    double lambda = 0;               // "auto" only: see FitOptions; bakeVertices finds it itself
+    int rays = 256;                  // a point, 1 .. 1 << 20; 1024 and more keep the edges of fitted models steady between vertices
+    uint32_t seed = 1;               // of the spin of each point's directions
+    double maxDistance = 0;          // bakeVertices only: metres beyond which nothing blocks; 0: no limit
+    int threads = 0;                 // 0: all cores
 };
 
-// The Lagrange multiplier at which `auto` keeps its tolerance over these points.
+// The Lagrange multiplier (FitOptions::lambda) at which `auto` keeps an RMSE of `tolerance` over these points. Of
+// `options` it reads seed and threads; `tools` must be made for Use::Choice. Throws Cancelled.
 double lambdaAt(const OcclusionSource& source, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options,
                 double tolerance, const Progress& progress);
 
-// Points as the recipe of the options has them. The result does not depend on the number of threads.
-// Throws Cancelled, and Error where there is no such recipe, or it is "auto" and has no lambda.
+// Bakes each point by the options' recipe; directions in the result are in the world. The result does not depend on the
+// number of threads. Throws Cancelled, and Error where there is no such recipe, or it is "auto" without a lambda.
 std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options,
                                    const Progress& progress = {});
 
-// At the vertices that triangles use (bake/sampling/vertices.h says where); the others are closed. `issues`, where it is
-// given, becomes what was ambiguous.
+// Bakes all vertices that triangles use (bake/sampling/vertices.h says where their rays start); the others are closed.
+// `issues`, where given, receives what is doubtful in the scene's meshes.
 BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress = {},
                              MeshIssues* issues = nullptr);
 

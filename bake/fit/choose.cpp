@@ -49,7 +49,7 @@ std::vector<float> visibleTo(const SampleLattice& lattice, const Model& model, c
 
 namespace {
 
-constexpr double kDearest = 3;  // of prices, in numbers for a squared tolerance
+constexpr double kDearest = 3;  // the largest lambda, in numbers per squared tolerance
 
 std::vector<Candidate> makeCandidates() {
     std::vector<Candidate> out;
@@ -71,8 +71,8 @@ BakedPoint makeCandidate(const Candidate& candidate, const FitTools& tools, cons
     return point;
 }
 
-// Candidates are tried from the least on, and no further than the first within the tolerance. Calls
-// error(i) for each; returns the one to take.
+// Tries candidates in rising order of their numbers, up to the first within the tolerance. Calls error(i) for each one
+// tried and returns the one of the least cost. `reached`: one was within the tolerance.
 size_t pick(double tolerance, double lambda, auto&& error, bool& reached) {
     size_t best = 0;
     double least = 1e30;

@@ -1,17 +1,19 @@
 #pragma once
-// The least model that a point needs.
+// Chooses the model of the fewest numbers that a point needs.
 #include "bake/fit/fit.h"
 
 namespace apertura {
 
-// The lights that models are judged by, over a lattice.
+// The lights that models are judged by: 160 over the hemisphere, at radii of 5 and of 15 degrees.
 std::vector<FitTools::Probes> makeProbes(const SampleLattice& lattice);
 
-// What a model has of each direction of the lattice at a point, 0..1; in the samples' frame, the normal +Z.
+// The visibility, 0..1, that a model has at a point for each direction of the lattice. In the samples' frame: the normal
+// is +Z.
 std::vector<float> visibleTo(const SampleLattice& lattice, const Model& model, const BakedPoint& point);
 
-// RMSE of E / (L pi sin^2 r) over the probes of one radius, from the same directions as the samples', so that
-// what a finite number of rays does to a light's edge is in both.
+// RMSE of E / (L pi sin^2 r) over the probes of one radius r, to a factor of (1 + cos r) / 2, which is 0.98 at 15
+// degrees. `visible`: from visibleTo. Model and truth are summed over the same directions, so both have the error that a
+// finite number of rays makes at a light's edge.
 double probeError(const FitTools& tools, const FitTools::Probes& probes, const Samples& samples, std::span<const float> visible);
 
 // A model that `auto` may choose, and the recipe that makes it.
@@ -20,19 +22,20 @@ struct Candidate {
     const Recipe* recipe;
 };
 
-// All of them, by how many numbers their light's formula reads.
+// All candidates, in rising order of the numbers that their light formula reads.
 std::span<const Candidate> candidates();
 
-using CandidateErrors = std::vector<double>;  // the larger of the two probes' RMSE, a candidate
+using CandidateErrors = std::vector<double>;  // for each candidate, the larger of the two radii's RMSE
 
+// Makes every candidate for one point. `frame` takes the samples' directions to the world.
 CandidateErrors tryCandidates(const FitTools& tools, const Samples& samples, const mat3& frame);
 
-// Fewest numbers for an RMSE over all points of `tolerance`: every point takes the candidate with the least
-// numbers + lambda * error^2, and this is the lambda at which it comes out so. Where no model reaches it, the
-// lambda ends where a further number gains less than a third of the squared tolerance.
+// The lambda at which `auto` uses the fewest numbers for an RMSE of `tolerance` over all points, if every point takes the
+// candidate with the least numbers + lambda * error^2. Where no lambda reaches the tolerance, the result is 3 /
+// tolerance^2: a further number must then gain a third of tolerance^2.
 double lambdaFor(std::span<const CandidateErrors> points, double tolerance);
 
-// Recipe's `make`, at the options' lambda: the parameters hold the chosen model's and the Choice.
+// The `make` of the recipe "auto", at options.lambda: the result's params hold those of the chosen model, and its Choice.
 BakedPoint chooseModel(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options);
 
 }  // namespace apertura

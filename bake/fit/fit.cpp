@@ -10,9 +10,9 @@
 namespace apertura {
 namespace {
 
-constexpr float kCapSharpness = 120;  // of the soft-edged stand-ins that caps are fitted as
-constexpr int kLongSteps = 40;        // where there is one start and its way is long
-constexpr float kAmbientWeight = 60;  // keeps the sky's light right to about 0.003
+constexpr float kCapSharpness = 120;  // length of the slope of the soft-edged lobes that stand for caps in a fit
+constexpr int kLongSteps = 40;        // for fits with one start that may be far from the solution
+constexpr float kAmbientWeight = 60;  // keeps the sky's E right to about 0.003
 
 Visibility project(const Samples& samples) {
     const SampleLattice& lattice = *samples.lattice;
@@ -34,8 +34,8 @@ Visibility sumUp(const Samples& samples) {
 BakedPoint fromSh(const FitTools&, const Samples& s, const mat3&, const FitOptions&) { return {project(s), {}}; }
 BakedPoint fromRays(const FitTools&, const Samples& s, const mat3&, const FitOptions&) { return {sumUp(s), {}}; }
 
-// What a baker of cosine-weighted transfer (T = the integral of V max(0, n.w) Y) stores, taken for visibility
-// after the one scaling that an open hemisphere asks for: DC by 2 and the linear band by 3/2.
+// What a baker of cosine-weighted transfer (T = integral of V max(0, n.w) Y) stores, taken for visibility after the
+// scaling that makes an open hemisphere right: DC by 2, the linear band by 3/2.
 BakedPoint fromTransfer(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
     const SampleLattice& lattice = *samples.lattice;
     double area = 0;
@@ -57,7 +57,7 @@ vec4 bestLobe(const Samples& samples, float ambientWeight) {
     return improveLobe(samples, vec4(start.slope, start.offset), fitOptions).lobes[0];
 }
 
-// The coefficients of the best soft aperture, in place of the visibility's own.
+// The coefficients of the best soft aperture, in place of those of the visibility.
 BakedPoint fittedSh(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
     const SampleLattice& lattice = *samples.lattice;
     const vec4 lobe = bestLobe(samples, kAmbientWeight);
@@ -71,7 +71,7 @@ BakedPoint fittedSh(const FitTools&, const Samples& samples, const mat3&, const 
     return {{vec3(direction * lattice.solidAngle()), float(area * lattice.solidAngle())}, {}};
 }
 
-// Two hard edges are found from few starts: more would err less by a fiftieth, at a third of the speed.
+// Two hard edges are fitted from few starts: more would lower the error by a fiftieth, at a third of the speed.
 LobeFitOptions hardLobes(int lobes, float sharpness) {
     LobeFitOptions fitOptions;
     fitOptions.lobes = lobes;
@@ -149,7 +149,7 @@ BakedPoint bands(const FitTools&, const Samples& samples, const mat3&, const Fit
     return out;
 }
 
-// The highest blocked direction of each sector.
+// The sine of elevation of the highest blocked direction in each sector.
 BakedPoint heights(const FitTools&, const Samples& samples, const mat3& frame, const FitOptions&) {
     const SampleLattice& lattice = *samples.lattice;
     const vec3 normal = frame[2], tangent = tangentTo(normal), side = cross(normal, tangent);

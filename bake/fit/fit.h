@@ -1,5 +1,5 @@
 #pragma once
-// From the rays of one point to what each model stores of it.
+// Turns the rays of one point into what each model stores of it.
 #include <string_view>
 
 #include "bake/fit/lobe_fit.h"
@@ -7,58 +7,60 @@
 
 namespace apertura {
 
-// A point as a model has it; directions in the frame of the samples, until they are turned.
+// A baked point. Directions are in the samples' frame until makePoint rotates them to the world.
 struct BakedPoint {
     Visibility visibility;
-    ModelParams params{};  // of stored models
+    ModelParams params{};  // of stored models only
 };
 
-// What fitting keeps from point to point: the lattice, and dictionaries over it.
+// What fitting reuses from point to point: the lattice, and dictionaries over it.
 struct FitTools {
-    // What of it is needed costs time to make: Samples alone, fits of lobes and caps, or choosing models as well.
+    // What the tools are for; each takes more time to make than the one before: sampling only, fits of lobes and caps, or
+    // choosing models as well.
     enum class Use { Samples, Fits, Choice };
     explicit FitTools(int rays, Use use = Use::Choice);
     SampleLattice lattice;
     CapDictionary dictionary;
-    // Lights that judge a model: of each, the samples inside it.
+    // The lights of one radius that a model is judged by.
     struct Probes {
         double radius;                         // radians
-        std::vector<std::vector<int>> inside;  // directions of the lattice
+        std::vector<std::vector<int>> inside;  // for each light, the lattice's directions inside it
     };
-    std::vector<Probes> probes;  // of 5 and of 15 degrees
+    std::vector<Probes> probes;  // 5 and 15 degrees; empty unless made for Use::Choice
 };
 
 struct FitOptions {
-    double tolerance = 0.05;  // of `auto`: RMSE of E / (L pi sin^2 r)
-    double lambda = 0;        // of `auto`: stored numbers that a unit of squared error is worth; see bake/fit/choose.h
+    double tolerance = 0.05;  // `auto` only: RMSE of E / (L pi sin^2 r)
+    double lambda = 0;        // `auto` only: numbers that a unit of squared error is worth; see lambdaFor in bake/fit/choose.h
 };
 
 // A way to make a model from rays: one line of `compare`, and one name for `bake --model`.
 struct Recipe {
-    std::string_view name;    // of bake --model
-    std::string_view source;  // sh: coefficients of the visibility itself; rays: straight from the rays; fit
-    int model;                // that it is stored for, or -1 for those that are made from the four numbers:
-    int only;                 // for this one alone, or -1 for all of them
+    std::string_view name;    // for bake --model
+    std::string_view source;  // sh: coefficients of the visibility itself; rays: straight from the rays; fit: fitted
+    int model;                // the model whose parameters it makes; -1: it makes the four numbers alone,
+    int only;                 // for this model, or -1: for all that are made from them
     std::string_view what;
-    // `frame` takes the samples' directions to the world; the result is in the samples' frame.
+    // `frame` takes the samples' directions to the world; the result stays in the samples' frame.
     BakedPoint (*make)(const FitTools&, const Samples&, const mat3& frame, const FitOptions&);
 };
 
 std::span<const Recipe> recipes();
 
-// nullptr where there is none of that name.
+// The recipe of that name, or nullptr.
 const Recipe* findRecipe(std::string_view name);
 
-// The same, where it must be there: throws Error naming it.
+// The recipe of that name; throws Error with the name where there is none.
 const Recipe& recipeNamed(std::string_view name);
 
-// What makes a model: the recipe that stores it, or else the visibility's own four numbers. Throws Error where there is neither.
+// The recipe that makes a model: "sh" for those that can be made from the four numbers, or else the one that makes its
+// parameters. Throws Error where there is none.
 const Recipe& recipeFor(const Model& model);
 
-// What of its tools a recipe needs.
+// What tools a recipe needs.
 FitTools::Use useOf(const Recipe& recipe);
 
-// Makes the point and turns it to the world.
+// Makes one point and rotates it to the world by `frame`.
 BakedPoint makePoint(const Recipe& recipe, const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options);
 
 }  // namespace apertura

@@ -16,17 +16,18 @@
 namespace apertura {
 namespace {
 
-// The sharpest that an edge is made: harder than any mesh can show. Of a quadric, what its bytes can hold.
+// The longest slope that is fitted: harder than any mesh can show. For a quadric, slope and bend that its bytes can hold.
 template <int M>
 constexpr float kSlopeLimit = M == 4 ? 500 : 60;
-constexpr float kFirstSharpness = 30;  // of lobes and caps on their way to a hard edge
-constexpr double kSlopeCost = 1e-10;   // keeps lobes that nothing in the samples bounds from running away
+constexpr float kFirstSharpness = 30;  // of lobes and caps while starts are compared, before their edges become hard
+constexpr double kSlopeCost = 1e-10;   // keeps lobes that no sample bounds from growing without end
 
-// A column a lobe: its offset, then its slope or more.
+// One column per lobe: its offset, then its slope and, of a quadric, its bend.
 template <typename T, int M, int K>
 using Lobes = Eigen::Matrix<T, M, K>;
 
-// K lobes of M parameters, each a coefficient of a feature; Hard: slopes of a given length; L pairs, as sumLobes.
+// Fits K lobes of M parameters, each the coefficient of a feature. Hard: slopes have a given length. L: number of pairs,
+// as in sumLobes.
 template <int K, int M, bool Hard, int L>
 struct Fitter {
     static constexpr int kColumns = LobeSums<K, M, Hard>::kColumns, kFree = K * kColumns;
@@ -42,11 +43,11 @@ struct Fitter {
     struct Sums {
         double cost = 0, error = 0;
         Vector gradient;
-        Matrix hessian;  // of Gauss–Newton, the lower half
+        Matrix hessian;  // Gauss–Newton, the lower half
         glm::vec3 tangents[2 * K];
     };
 
-    // The residual of a patch is the sum of cos (V - samples) over it: what a small light there would be off by.
+    // The residual of a patch is the sum of cos (V - samples) over it: the error for a small light there.
     Sums evaluate(const Parameters& p, bool derivatives) const {
         PatchedSamples samples{{}, open, lattice.blocks, lattice.patchSize, SampleLattice::kGroup, options.groupWeight, complement};
         for (int f = 0; f < SampleLattice::kFeatures; ++f) samples.feature[f] = lattice.feature[f].data();
@@ -59,7 +60,7 @@ struct Fitter {
             }
         LobeSums<K, M, Hard> sums;
         sumLobes<K, M, Hard, L>(samples, p.data(), &out.tangents[0].x, derivatives, sums);
-        // A patch of one sample has cos2's mean of 1/3 as its largest mean square.
+        // The unit is the largest mean square that patches of one sample can have: the mean of cos^2, 1/3.
         const double rays = lattice.rays(), scale = 3 / (rays * lattice.patchSize), pull = 3 * options.ambientWeight / (rays * rays);
         const double tilt = sums.sums[kFree];
         out.error = sums.products[kFree][kFree] * scale;
@@ -79,7 +80,7 @@ struct Fitter {
         return out;
     }
 
-    // The step of the damped normal equations, as a change of the parameters.
+    // The step that solves the damped normal equations (Cholesky). False where they are not positive definite.
     bool step(const Sums& at, double damping, Lobes<double, M, K>& out) const {
         Matrix a = at.hessian;
         a.diagonal().array() += damping * a.diagonal().array() + 1e-9;
@@ -115,7 +116,7 @@ struct Fitter {
             if (!step(now, damping, move)) break;
             Parameters q = p;
             for (int k = 0; k < K; ++k) {
-                // No further in one step than the lobe is long.
+                // A step is no longer than the lobe (slope and offset) plus 4.
                 const double length = p.col(k).template cast<double>().norm(), moved = move.col(k).norm();
                 const double scale = std::min(1.0, (4 + length) / std::max(moved, 1e-15));
                 q.col(k) += (scale * move.col(k)).template cast<float>();
@@ -136,7 +137,7 @@ struct Fitter {
         return now;
     }
 
-    // The same, with a try at a much sharper edge for each lobe: the way there is long and flat.
+    // descend, with a try at an edge 2 and 5 times as sharp for each lobe: the way there by small steps is long and flat.
     Sums run(Parameters& p, int steps) const {
         Sums now = descend(p, steps);
         if constexpr (Hard) return now;
@@ -156,16 +157,17 @@ struct Fitter {
     }
 };
 
-using Arrangement = std::vector<CapDictionary::Cap>;  // caps whose intersection is meant
+using Arrangement = std::vector<CapDictionary::Cap>;  // several caps, of which the intersection is meant
 
 struct Cluster {
     glm::vec3 centre;
-    float share;       // of all directions
+    float share;       // fraction of all directions
     glm::mat3 spread;  // the mean of (w - centre) (w - centre)^T
 };
 
-// What blocks (for the complement, what is open) as `count` clusters, weighed by the cosine. The cluster that
-// spreads most is split across its longest axis, and all are renormalised by Lloyd's iteration.
+// The blocked directions (for the complement, the open ones) as `count` clusters, weighted by the cosine. The cluster
+// with the largest spread is split across its longest axis until there are enough; Lloyd's iteration moves all centres
+// after each split.
 std::vector<Cluster> clusters(const Samples& samples, bool complement, int count) {
     const SampleLattice& lattice = *samples.lattice;
     std::vector<glm::vec3> at;
@@ -223,7 +225,7 @@ std::vector<Cluster> clusters(const Samples& samples, bool complement, int count
     return out;
 }
 
-// The cap that leaves the cluster out.
+// The cap that excludes the cluster: all but a cap of its area about its centre.
 CapDictionary::Cap capWithout(const Cluster& cluster) { return {-cluster.centre, cluster.share - 1}; }
 
 // Two caps whose intersection holds the cluster: a lens with its tips on the longer axis.
@@ -234,7 +236,7 @@ std::array<CapDictionary::Cap, 2> lensAround(const Cluster& cluster) {
     ellipse.computeDirect(Eigen::Matrix2f{{glm::dot(u, cluster.spread * u), uv}, {uv, glm::dot(v, cluster.spread * v)}});
     const Eigen::Vector2f deviations = ellipse.eigenvalues().cwiseMax(0).cwiseSqrt(), longer = ellipse.eigenvectors().col(1);
     const glm::vec3 along = longer.x() * u + longer.y() * v, across = glm::cross(c, along);
-    // The half axes of an even ellipse are twice its deviations.
+    // The half axes of a uniform ellipse are twice its standard deviations.
     const float length = std::clamp(2.2f * deviations[1], 0.05f, 1.4f), breadth = std::clamp(2 * deviations[0], 0.02f, 0.7f * length);
     const glm::vec3 tip = std::cos(length) * c + std::sin(length) * along, other = std::cos(length) * c - std::sin(length) * along;
     std::array<CapDictionary::Cap, 2> out;
@@ -247,7 +249,7 @@ std::array<CapDictionary::Cap, 2> lensAround(const Cluster& cluster) {
     return out;
 }
 
-// The best start so far of any arrangement of K lobes.
+// The best start so far, over all arrangements of K lobes.
 template <int K>
 struct Best {
     Lobes<float, 4, K> parameters = Lobes<float, 4, K>::Zero();
@@ -258,7 +260,7 @@ struct Best {
 
 template <int K, bool Hard, int L>
 void tryStarts(const Samples& samples, bool complement, const LobeFitOptions& options, std::span<const Arrangement> starts, Best<K>& best) {
-    // Edges as soft as samples are apart: harder ones would not feel where to go.
+    // Edges are as soft as samples are apart: harder ones would have no gradient to follow.
     LobeFitOptions hazy = options;
     if (Hard) hazy.sharpness = std::min(options.sharpness, kFirstSharpness);
     const float sharpness = Hard ? hazy.sharpness : 6;
@@ -280,7 +282,7 @@ double finish(const Samples& samples, const LobeFitOptions& options, Best<K>& be
     return Fitter<K, 4, Hard, L>{*samples.lattice, samples.open.data(), best.complement, options}.run(best.parameters, options.steps).error;
 }
 
-// Every choice of which of the clusters the pairs leave out.
+// One start for every choice of the clusters that pairs exclude.
 template <int K, int L>
 std::vector<Arrangement> pairedStarts(const Samples& samples, bool complement) {
     const std::vector<Cluster> found = clusters(samples, complement, K - L);
@@ -335,7 +337,7 @@ LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFi
 
 CapDictionary::CapDictionary(const SampleLattice& lattice, int axes, int heights) : words_(lattice.wordWeight.size()) {
     for (float weight : lattice.wordWeight) wordWeight_.push_back(uint32_t(weight * 4096));
-    // Everything, for lobes that have nothing left to do.
+    // The whole sphere, for lobes that are not needed.
     caps_.push_back({{0, 0, 1}, -1.2f});
     masks_ = lattice.allBits;
     for (int a = 0; a < axes; ++a) {
@@ -359,16 +361,16 @@ CapDictionary::CapDictionary(const SampleLattice& lattice, int axes, int heights
 
 namespace {
 
-// How well each of the masks, cut to `under`, fits: weighed samples of `bits` that it holds, times `hit`, less all
-// that it holds, times `held`.
+// How well each mask, intersected with `under`, fits: hit * (weight of the samples in it that are in `bits`) - held *
+// (weight of all samples in it).
 struct MaskScores {
     std::span<const uint64_t> masks;
-    std::span<const uint32_t> weights;  // of the words of each
+    std::span<const uint32_t> weights;  // of the words of each mask
     const uint64_t *under, *bits;
     int64_t hit, held;
 };
 
-// Words > 0: the number of words a mask, known beforehand.
+// Words > 0: the number of words per mask, as a constant.
 template <size_t Words = 0>
 [[gnu::always_inline]] inline void score(const MaskScores& m, std::span<int64_t> out) {
     const size_t words = Words ? Words : m.weights.size();
@@ -385,7 +387,7 @@ template <size_t Words = 0>
 
 void scorePlainly(const MaskScores& m, std::span<int64_t> out) { score(m, out); }
 #if defined(__x86_64__) && defined(__GNUC__)
-// With an instruction for popcount, which the oldest of these processors lack.
+// Uses the instruction popcnt, which the oldest x86-64 processors lack.
 [[gnu::target("popcnt")]] void scoreFast(const MaskScores& m, std::span<int64_t> out) {
     m.weights.size() == 4 ? score<4>(m, out) : score(m, out);  // 4: of 256 rays
 }
@@ -400,8 +402,9 @@ std::vector<std::vector<int>> CapDictionary::nearest(const std::vector<uint64_t>
     };
     std::vector<std::vector<int>> out;
     if (wanted <= 0) return out;
-    // Beams of partial arrangements. A first cap that leaves open what is blocked can be mended by those
-    // after it, one that blocks what is open cannot: of the former only `held` parts in ten count.
+    // Beam search over partial arrangements. Where a cap leaves blocked directions open, later caps can block them; where
+    // it blocks open ones, no later cap can help. So until the last cap, a direction wrongly left open costs only `held`
+    // tenths of one wrongly blocked.
     std::vector<Start> beam{{{}, std::vector<uint64_t>(words_, ~uint64_t(0))}};
     std::vector<int64_t> scores(caps_.size());
     for (int k = 0; k < count; ++k) {

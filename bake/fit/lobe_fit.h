@@ -1,5 +1,5 @@
 #pragma once
-// Products of soft lobes fitted to the visibility that rays found.
+// Fits products of soft lobes to the visibility that rays found.
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -7,58 +7,63 @@
 
 namespace apertura {
 
-// V(w) = the product of softStep(offset + dot(slope, w)), or what that leaves of 1. See combineLobes in shaders/several.glsl.
+// V(w) = the product of softStep(offset + dot(slope, w)), or 1 - that product. See combineLobes in shaders/several.glsl.
 struct LobeFit {
-    glm::vec4 lobes[4]{};  // slope, offset, about +Z as the lattice
+    glm::vec4 lobes[4]{};  // xyz: slope, w: offset, in the lattice's frame: the normal is +Z
     int count = 0;
     bool complement = false;
-    int pairs = 0;     // 0, 1 or 2: of the first lobes, two by two, the factor is what a pair leaves of 1
-    double error = 0;  // mean square of cos (V - samples) over patches, and as much again over groups of them,
-                       // in units of cos2's mean: 0 .. 1 + groupWeight
+    int pairs = 0;  // 0, 1 or 2: how many pairs of lobes, from the first on, enter as 1 - their product
+    // Mean square of cos (V - samples) over patches, plus groupWeight times that over groups of patches, both divided
+    // by the mean of cos^2, 1/3: 0 .. 1 + groupWeight.
+    double error = 0;
 };
 
 struct LobeFitOptions {
     int lobes = 1;            // 1 .. 4
-    float sharpness = 0;      // > 0: the length of every slope; 0: free, of one or two lobes only
-    bool pairs = false;       // of three or four lobes with a sharpness: LobeFit::pairs may be other than 0
-    float ambientWeight = 0;  // of the squared error of the irradiance from an even sky
-    int steps = 8;            // of Levenberg–Marquardt, at most,
-    int firstSteps = 4;       // and from each start; the best goes on to the end
-    float groupWeight = 1;    // of the squared error over groups of patches, as of larger lights, against that over patches
-    int starts = 2;           // of the hard-edged arrangements tried first
+    float sharpness = 0;      // > 0: the length of every slope; 0: lengths are free, for one or two lobes only
+    bool pairs = false;       // also try LobeFit::pairs, for three or four lobes with a sharpness
+    float ambientWeight = 0;  // weight of the squared error of the irradiance from a uniform sky
+    int steps = 8;            // Levenberg–Marquardt steps, at most,
+    int firstSteps = 4;       // and those from each start, of which the best goes on to the end
+    float groupWeight = 1;    // weight of the squared error over groups of patches, as of larger lights; that over patches has 1
+    int starts = 2;           // how many starts are taken from the dictionary, beside those made from clusters
 };
 
-// Caps of many axes and heights as masks over a lattice: where fits start from.
+// Caps of many axes and heights as bit masks over a lattice, from which fits start.
 class CapDictionary {
 public:
+    // `axes`: of a Fibonacci lattice over the sphere, 0 or more. `heights`: caps about each, 2 or more, with cosines of
+    // the radius from 0.98 down to -0.92.
     CapDictionary(const SampleLattice& lattice, int axes, int heights);
 
     struct Cap {
         glm::vec3 axis;
-        float cosine;
+        float cosine;  // of the radius; below -1: everything
     };
     size_t size() const { return caps_.size(); }
     const Cap& cap(size_t i) const { return caps_[i]; }
-    // Arrangements of `count` caps whose intersection is nearest to `bits`, best first, as indices.
+    // The `wanted` arrangements of `count` caps, as indices, whose intersection is nearest to `bits` (as Samples::bits),
+    // best first, by beam search.
     std::vector<std::vector<int>> nearest(const std::vector<uint64_t>& bits, int count, int wanted) const;
 
 private:
     std::vector<Cap> caps_;
-    std::vector<uint64_t> masks_;  // words_ a cap
+    std::vector<uint64_t> masks_;  // words_ per cap
     std::vector<uint32_t> wordWeight_;
     size_t words_;
 };
 
-// Whether the product itself is fitted, what it leaves, or the better of the two.
+// Fit the product, its complement, or the better of the two.
 enum class LobeFitSides { Product, Complement, Both };
 
-// Minimises that error. Deterministic.
+// Minimises LobeFit::error plus the error of the sky that ambientWeight asks for. Deterministic.
 LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options);
 
-// One lobe, improved from `start`.
+// Improves one lobe of free sharpness from `start` (slope, offset).
 LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options);
 
-// softStep(offset + dot(slope, w) + w Q w), from `start`; `bend` as SoftQuadric's.
+// V(w) = softStep(offset + dot(slope, w) + w Q w), fitted from the lobe `start` (slope, offset). `bend`: Qxx, Qyy, Qxy,
+// Qxz, Qyz, as in SoftQuadric.
 struct QuadricFit {
     glm::vec4 lobe;
     float bend[5];

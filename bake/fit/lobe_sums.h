@@ -7,46 +7,46 @@ namespace apertura {
 struct PatchedSamples {
     const float* feature[9];  // SampleLattice::kFeatures
     const float* open;        // 0 or 1
-    int blocks;               // of SampleLattice::kLanes patches side by side
+    int blocks;               // of SampleLattice::kLanes patches side by side; at most kMaxBlocks
     int patchSize;            // samples a patch
-    int group;                // consecutive patches that make a large one, > 0
-    float groupWeight;        // of the squared error of a large patch, by area, against that of a patch
-    bool complement;          // the product is what is blocked
+    int group;                // how many consecutive patches make a large one, > 0
+    float groupWeight;        // weight of the squared error of a large patch, by area; that of a patch has 1
+    bool complement;          // true: the product of the lobes is what is blocked
     static constexpr int kMaxBlocks = 64;
 };
 
-// The visibility is the product of K lobes, of which the first 2 L are taken in pairs, as what the pair leaves of 1.
-// K lobes of M parameters each: the offset and what multiplies features 1 .. M - 1. Their derivatives are by
-// the parameters themselves (Hard false) or by the offset and the slope's two tangents (Hard true).
+// The sums for a product of K lobes, of which the first 2 L form pairs; the factor of a pair is 1 - the product of its
+// two lobes. A lobe has M parameters: the offset, and the coefficients of features 1 .. M - 1. Derivatives are with
+// respect to these (Hard false) or to the offset and the slope's two tangents (Hard true).
 template <int K, int M, bool Hard>
 struct LobeSums {
     static constexpr int kColumns = Hard ? 3 : M, N = K * kColumns;
-    // Of the residuals' derivatives, column by column, and in the last of the residuals themselves: the lower
-    // half of all products, over patches and large ones; and the sums over patches. A residual is the sum of
-    // cos (V - sample) over the patch. Without derivatives only the last are set.
+    // The residual of a patch is the sum of cos (V - sample) over it. Columns 0 .. N - 1 are the derivatives of the
+    // residuals by each parameter, column N the residuals themselves.
+    //   products  the products of every two columns over patches and large patches, the lower half
+    //   sums      the sums of the columns over patches
+    // Without derivatives only products[N][N] and sums[N] are set.
     double products[N + 1][N + 1];
     double sums[N + 1];
 };
 
-// `parameters`: K * M. `tangents`: two vec3 a lobe where Hard, else not read. The bytes that come out do not
-// depend on the processor: eight lanes, added up in the same order, on all of them.
+// `parameters`: K * M, lobe by lobe. `tangents`: two vec3 per lobe where Hard, else not read. The result is the same to
+// the bit on all processors: eight lanes, added in the same order.
 template <int K, int M, bool Hard, int L>
 void sumLobes(const PatchedSamples& samples, const float* parameters, const float* tangents, bool derivatives, LobeSums<K, M, Hard>& out);
 
-// The same without what only newer processors have.
+// The same, without instructions that only newer processors have.
 namespace plain {
 template <int K, int M, bool Hard, int L>
 void sumLobes(const PatchedSamples& samples, const float* parameters, const float* tangents, bool derivatives, LobeSums<K, M, Hard>& out);
 }
 
-// Those that there are: with APERTURA_INSTANCE(K, M, Hard, L) defined.
-#define APERTURA_INSTANCES           \
-    APERTURA_INSTANCE(1, 4, true, 0) \
-    APERTURA_INSTANCE(2, 4, true, 0) \
-    APERTURA_INSTANCE(3, 4, true, 0) \
-    APERTURA_INSTANCE(3, 4, true, 1) \
-    APERTURA_INSTANCE(4, 4, true, 0) \
-    APERTURA_INSTANCE(4, 4, true, 1) \
-    APERTURA_INSTANCE(4, 4, true, 2) APERTURA_INSTANCE(1, 4, false, 0) APERTURA_INSTANCE(2, 4, false, 0) APERTURA_INSTANCE(1, 9, false, 0)
+// All instances: uses APERTURA_INSTANCE(K, M, Hard, L), which must be defined, for each.
+// clang-format off
+#define APERTURA_INSTANCES \
+    APERTURA_INSTANCE(1, 4, true, 0) APERTURA_INSTANCE(2, 4, true, 0) APERTURA_INSTANCE(3, 4, true, 0) APERTURA_INSTANCE(3, 4, true, 1) \
+    APERTURA_INSTANCE(4, 4, true, 0) APERTURA_INSTANCE(4, 4, true, 1) APERTURA_INSTANCE(4, 4, true, 2) \
+    APERTURA_INSTANCE(1, 4, false, 0) APERTURA_INSTANCE(2, 4, false, 0) APERTURA_INSTANCE(1, 9, false, 0)
+// clang-format on
 
 }  // namespace apertura

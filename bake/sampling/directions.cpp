@@ -13,8 +13,8 @@ namespace {
 
 using std::numbers::pi;
 
-// Halves a list of directions at the median of their longest axis, so that every run of a power of two of
-// them is a patch of the sphere: 16 for a packet of rays, others for fitting.
+// Halves a list of directions at the median of their longest axis, recursively. Every aligned run of a power of two of
+// them is then a patch of the sphere: 16 for a packet of rays, other sizes for fitting.
 void orderInPatches(std::span<glm::vec3> directions) {
     if (directions.size() <= 2) return;
     glm::vec3 low(2), high(-2);
@@ -48,7 +48,7 @@ glm::mat3 frameFromZ(const glm::vec3& normal, double angle) {
 }
 
 std::vector<glm::vec3> fibonacciCap(int n, double h) {
-    // Fibonacci's lattice: even steps of height, turned by the golden angle.
+    // Fibonacci lattice: equal steps of height, each rotated by the golden angle.
     const double golden = pi * (3 - std::sqrt(5.0));
     std::vector<glm::vec3> out;
     for (int i = 0; i < n; ++i) {

@@ -1,23 +1,23 @@
 #pragma once
-// Directions on the sphere, and the numbers that place them: the same everywhere.
+// Directions on the sphere, and the hashed numbers that place them: the same on every machine.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
 namespace apertura {
 
-// A number in 0..1 from a seed and two indices; the same everywhere.
+// A number in 0..1, without 1, hashed from a seed and two indices.
 double hashUnit(uint32_t seed, uint64_t a, uint64_t b);
 
-// Columns x, y, z: a right-handed frame whose z is `normal` (unit), spun about it by `angle` radians.
+// A right-handed frame, as columns x, y, z: z is `normal` (unit), and the others are rotated about it by `angle` radians.
 glm::mat3 frameFromZ(const glm::vec3& normal, double angle);
 
-// `n` directions of the cap about +Z of height h = 1 - cos(radius), each standing for 2 pi h / n sr, from its centre
-// outwards: Fibonacci's lattice.
+// A Fibonacci lattice of `n` directions over the cap about +Z of height h = 1 - cos(radius), 0..2, from its centre
+// outwards. Each stands for 2 pi h / n sr.
 std::vector<glm::vec3> fibonacciCap(int n, double h);
 
-// `n` directions of the hemisphere about +Z, each standing for 2 pi / n sr: fibonacciCap, ordered so that neighbours in
-// the list are neighbours on the sphere.
+// A Fibonacci lattice of `n` directions over the hemisphere about +Z, ordered so that neighbours in the list are
+// neighbours on the sphere. Each stands for 2 pi / n sr.
 std::vector<glm::vec3> fibonacciHemisphere(int n);
 
 }  // namespace apertura

@@ -1,5 +1,5 @@
 #pragma once
-// What blocks the sky over a point: asked ray by ray, or known otherwise.
+// What blocks the sky over points.
 #include <functional>
 #include <span>
 
@@ -10,16 +10,16 @@
 
 namespace apertura {
 
-// Where the blocked directions of a point come from: rays here, a height field's horizons elsewhere.
+// Finds the blocked directions of a point, by rays or otherwise.
 class OcclusionSource {
 public:
     virtual ~OcclusionSource() = default;
-    // blocked[i] becomes 1 where nothing of the sky is seen along directions[i] (unit, world) from `point`, and 0
-    // elsewhere; as many as directions. Called from any number of threads.
+    // Sets blocked[i] to 1 where nothing of the sky is seen from `point` along directions[i] (unit, world), else to 0.
+    // `blocked` has as many elements as `directions`. Called from several threads at once.
     virtual void occluded(const SurfacePoint& point, std::span<const glm::vec3> directions, uint8_t* blocked) const = 0;
 };
 
-// By Embree's rays. `tracer` outlives it.
+// Finds them by Embree's rays. `tracer` must outlive it.
 class RayOcclusion : public OcclusionSource {
 public:
     // maxDistance: metres beyond which nothing blocks; 0: no limit.
@@ -34,9 +34,11 @@ private:
     float distance_;  // metres
 };
 
-// What is seen from each point along the lattice's directions, spun by an angle of the point's own that is hashed from
-// the seed and its index. Calls `use(i, samples, frame)` for each point from any thread; `frame` takes the lattice to
-// the world. The result does not depend on the number of threads (0: all cores). Throws Cancelled.
+// Samples each point along the lattice's directions, spun about its normal by an angle that is hashed from `seed` and the
+// point's index. The result does not depend on the number of threads. Throws Cancelled.
+//   threads  at most; 0: all cores
+//   use      use(i, samples, frame) is called once for each point, from any thread; `frame` takes the lattice to the
+//            world
 void samplePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const SampleLattice& lattice, uint32_t seed,
                   int threads, const Progress& progress, const std::function<void(size_t, const Samples&, const glm::mat3&)>& use);
 

@@ -1,25 +1,25 @@
 #pragma once
-// How far work is, and whether it should go on.
+// How far some work is, and whether it should go on.
 #include <atomic>
 #include <functional>
 #include <mutex>
 
 namespace apertura {
 
-// Called now and then with the share done, 0..1; false stops the work. May be empty.
+// Called now and then with the fraction done, 0..1; returning false stops the work. May be empty.
 using Progress = std::function<bool(double)>;
 
-// The work was stopped by its Progress.
+// Thrown where a Progress stopped the work.
 struct Cancelled {};
 
-// The part from..to of the whole; `progress` outlives it.
+// The progress of a part of the work, from..to of the whole as fractions; `progress` must outlive it.
 inline Progress part(const Progress& progress, double from, double to) {
     if (!progress) return {};
     return [&progress, from, to](double share) { return progress(from + (to - from) * share); };
 }
 
-// Progress of work that several threads share: reports from whichever thread comes by, one at a time, and
-// stops everybody when told to.
+// The progress of work that several threads do together: whichever thread comes by reports, one at a time, and a stop
+// reaches all of them.
 class ProgressCounter {
 public:
     ProgressCounter(const Progress& progress, size_t total) : progress_(progress), total_(total) {}

@@ -14,7 +14,7 @@ SampleLattice::SampleLattice(int rays) : directions_(fibonacciHemisphere(rays)) 
     patchSize = int(std::bit_floor(std::max<size_t>(n / kPatches, 1)));
     const size_t blockSize = size_t(patchSize) * kLanes;
     blocks = int((n + blockSize - 1) / blockSize);
-    // In whole groups: orderInPatches makes neighbours of aligned runs.
+    // Whole groups, because orderInPatches makes only aligned runs neighbours.
     if (blocks > kGroup) blocks = (blocks + kGroup - 1) / kGroup * kGroup;
     for (auto& f : feature) f.assign(size_t(blocks) * blockSize, 0);
     for (size_t i = 0; i < n; ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// What the rays of one point found, laid out for fitting.
+// The directions that points are sampled in, and what the rays of one point found, laid out for fitting.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -7,28 +7,28 @@
 
 namespace apertura {
 
-// The directions that every point is sampled in, about +Z, and what fitting reads of them.
+// The directions, about +Z, that every point is sampled in, and the features of them that fitting reads.
 class SampleLattice {
 public:
     explicit SampleLattice(int rays);
 
     int rays() const { return int(directions_.size()); }
-    double solidAngle() const;  // sr a direction
-    // In the order of fibonacciHemisphere, for rays.
+    double solidAngle() const;  // sr per direction
+    // In the order of fibonacciHemisphere, which is good for packets of rays.
     std::span<const glm::vec3> directions() const { return directions_; }
 
-    // Fits compare the model with the samples by patches of neighbours, about 256 of the hemisphere: of 4096
-    // rays a patch is as large as a light of 5 degrees. kLanes of them stand side by side, each a lane of
-    // `blocks` neighbours: sample m of patch l blocks + b stands at (b patchSize + m) kLanes + l. The features are 1, x, y, z and the five
-    // products x2-z2, y2-z2, 2xy, 2xz, 2yz; all of them are 0 where a patch has no sample.
+    // Fits compare the model with the samples by patches of neighbouring directions, about 256 over the hemisphere: with
+    // 4096 rays, a patch is as large as a light of 5 degrees. kLanes patches stand side by side, and each lane holds
+    // `blocks` neighbouring patches: sample m of patch l blocks + b is at the place (b patchSize + m) kLanes + l. The
+    // features are 1, x, y, z and the five products x2-z2, y2-z2, 2xy, 2xz, 2yz; all are 0 at places without a sample.
     static constexpr int kFeatures = 9, kLanes = 8, kPatches = 256;
-    static constexpr int kGroup = 8;  // neighbouring patches of a lane, together a light of about 15 degrees
+    static constexpr int kGroup = 8;  // neighbouring patches of a lane, together as large as a light of about 15 degrees
     int patchSize = 1, blocks = 0;
     std::vector<float> feature[kFeatures];
-    std::vector<int> place;  // where each of directions() stands
+    std::vector<int> place;  // the place of each of directions()
 
-    // By falling height, 64 at a time: the order of Samples::bits, what cos2 is on average in each word, and
-    // the bits that stand for a direction.
+    // The directions by falling height, 64 to a word: the order of Samples::bits. allBits has the bits that stand for a
+    // direction, wordWeight the mean of cos^2 in each word.
     std::vector<int> byHeight;
     std::vector<uint64_t> allBits;
     std::vector<float> wordWeight;
@@ -41,9 +41,9 @@ private:
 struct Samples {
     const SampleLattice* lattice;
     std::vector<float> open;     // 0 or 1, at the lattice's places
-    std::vector<uint64_t> bits;  // by falling height; 0 beyond the last
+    std::vector<uint64_t> bits;  // 1 open; in the order of byHeight, 0 beyond the last
 
-    Samples(const SampleLattice& on, std::span<const uint8_t> blocked);  // in the order of directions()
+    Samples(const SampleLattice& on, std::span<const uint8_t> blocked);  // `blocked`: 1 or 0, in the order of directions()
     bool isOpen(size_t direction) const { return open[size_t(lattice->place[direction])] > 0; }
 };
 

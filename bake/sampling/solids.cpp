@@ -9,13 +9,15 @@
 namespace apertura {
 namespace {
 
-// The triangles of each surface that nothing is behind of: those of two-sided materials, and those with a twin that faces the other way.
+// For each surface, the triangles with nothing behind them: those of two-sided materials, and those with a twin that
+// faces the other way.
 std::vector<std::vector<bool>> twoSided(const Scene& scene) {
     std::vector<std::vector<bool>> out;
     for (const Surface& surface : scene.surfaces) {
         std::vector<bool> open(surface.triangles.size(), surface.twoSided);
         using Place = std::array<float, 3>;
-        std::map<std::array<Place, 3>, std::pair<size_t, bool>> seen;  // by sorted corners: a triangle, and whether sorting turned it
+        // Key: sorted corners. Value: a triangle, and whether sorting reversed its winding.
+        std::map<std::array<Place, 3>, std::pair<size_t, bool>> seen;
         for (size_t t = 0; t < open.size() && !surface.twoSided; ++t) {
             std::array<Place, 3> corners;
             for (int k = 0; k < 3; ++k) {

@@ -1,5 +1,5 @@
 #pragma once
-// Points of surfaces, and whether they lie inside of something.
+// Points of surfaces, and whether they lie inside solids.
 #include <vector>
 
 #include "bake/sampling/tracer.h"
@@ -10,26 +10,28 @@ namespace apertura {
 struct SurfacePoint {
     glm::dvec3 position;     // world, metres
     glm::vec3 normal;        // unit
-    double longest = 1e300;  // metres, of the edges of the triangles that meet here; unknown: as long as the scene
+    double longest = 1e300;  // metres, the longest edge of the triangles that meet here; default: unknown, as long as the scene
 };
 
-// Where its rays start: above it by the tracer's offset.
+// Where the rays of a point start, world, metres: above the surface by the tracer's offset.
 inline glm::dvec3 rayOrigin(const Tracer& tracer, const SurfacePoint& point) {
     return point.position + tracer.offset(point.position, point.longest) * glm::dvec3(point.normal);
 }
 
-// Faces taken for the skins of solids: who sees the back of one is inside. Two-sided materials and triangles with a twin that
-// faces the other way are no skins. A ground that goes on behind a one-sided wall counts as inside of it.
+// Takes faces for the skins of solids: a point that sees the back of one is inside. Two-sided materials, and triangles
+// with a twin that faces the other way, are no skins. A ground that goes on behind a one-sided wall counts as inside of
+// it.
 class Solids {
 public:
     // Both must outlive it.
     Solids(const Scene& scene, const Tracer& tracer);
 
     static constexpr int kProbes = 16;
-    // How many of kProbes rays over the point's hemisphere, turned by `spin` radians, see the back of a face.
+    // How many of kProbes rays over the point's hemisphere, rotated by `spin` radians, see the back of a face:
+    // 0..kProbes.
     int backsSeen(const SurfacePoint& point, double spin) const;
 
-    // Whether the way from one point to another leads out through the back of a face.
+    // True where the straight way from one point to another leads out through the back of a face.
     bool comesOut(const SurfacePoint& from, const SurfacePoint& to) const;
 
 private:

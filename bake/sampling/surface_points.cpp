@@ -16,7 +16,7 @@ bool inside(const Box& box, const glm::vec3& p) {
 }  // namespace
 
 std::vector<SurfaceSample> sampleSurface(const Scene& scene, int count, uint32_t seed, const SurfaceRegion& region) {
-    std::vector<double> sums;  // running area, one a candidate triangle
+    std::vector<double> sums;  // running area, one per candidate triangle
     std::vector<std::pair<int, int>> places;
     double total = 0;
     for (size_t i = 0; i < scene.instances.size(); ++i) {
@@ -37,7 +37,7 @@ std::vector<SurfaceSample> sampleSurface(const Scene& scene, int count, uint32_t
     if (!(total > 0)) throw Error(scene.name + ": no triangle has an area");
 
     std::vector<SurfaceSample> out;
-    // Triangles reach over the edge of a box: points outside are drawn again, with new numbers.
+    // A triangle may reach beyond a box: points outside are drawn again, with new numbers.
     for (uint64_t k = 0, tries = 0; out.size() < size_t(count) && tries < 100ull * count; ++k, ++tries) {
         const double golden = 0.6180339887498949;
         const double along = std::fmod(hashUnit(seed, 0, 11) + golden * double(k), 1.0) * total;

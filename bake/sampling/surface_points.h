@@ -7,21 +7,22 @@
 
 namespace apertura {
 
-// A part of a scene: all of it, as it stands.
+// A part of a scene; by default all of it.
 struct SurfaceRegion {
-    std::vector<bool> surfaces;  // which of the scene's; empty: all
+    std::vector<bool> surfaces;  // one for each of the scene's; empty: all
     std::vector<Box> boxes;      // world, metres: within any of them; empty: everywhere
 };
 
-// A point inside a triangle, with the geometric normal (turned to the side of the vertex normals).
+// A point of a triangle, with the geometric normal on the side of the vertex normals.
 struct SurfaceSample {
     SurfacePoint at;
     int instance, triangle;
     glm::vec3 weights;  // barycentric
 };
 
-// `count` points over the region, evenly by area; the same for a seed everywhere. Throws Error naming the scene where it
-// has no area there.
+// `count` points over the region, evenly by area; fewer where they hardly ever fall into its boxes (after 100 tries a
+// point). The same seed gives the same points everywhere. Throws Error with the scene's name where the region has no
+// area.
 std::vector<SurfaceSample> sampleSurface(const Scene& scene, int count, uint32_t seed, const SurfaceRegion& region = {});
 
 }  // namespace apertura

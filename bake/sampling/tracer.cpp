@@ -18,7 +18,7 @@
 namespace apertura {
 namespace {
 
-// The surface's triangles, each vertex placed by `place`.
+// Attaches the surface's triangles as geometry `id`, each vertex placed by `place`.
 template <typename Place>
 void attach(RTCDevice device, RTCScene to, unsigned id, const Surface& surface, Place&& place) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -46,8 +46,8 @@ glm::vec3 middleOf(const Surface& surface) {
     return surface.positions.empty() ? glm::vec3(0) : glm::vec3(0.5 * (glm::dvec3(box.low) + glm::dvec3(box.high)));
 }
 
-// Whether rays can be taken to an instance's own frame in float32: it is not flat, and not a speck beside the scene.
-// `toRays`: from its own size to rays'.
+// True where rays can be transformed to an instance's own frame in float32: it is neither flat nor a speck beside the
+// scene. `toRays`: from the instance's own size to that of the rays.
 bool isWellConditioned(const glm::dmat3& toRays) {
     auto norm = [](const glm::dmat3& m) { return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2])); };
     const double size = norm(toRays), inverse = norm(glm::inverse(toRays));
@@ -61,7 +61,7 @@ struct Tracer::Impl {
     RTCDevice device = nullptr;
     RTCScene top = nullptr;
     std::vector<RTCScene> parts;
-    // A point p of the world is (p - centre) * scale to the rays: within -1..1.
+    // The rays see a point p of the world at (p - centre) * scale, within -1..1.
     glm::dvec3 centre{0};
     double scale = 1, reach = 1;
 
@@ -111,8 +111,8 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
     for (const Instance& instance : scene.instances) ++uses[instance.surface];
     struct Part {
         RTCScene scene = nullptr;
-        glm::vec3 middle{0};  // which is the origin of its rays,
-        double scale = 1;     // and its own size about 1
+        glm::vec3 middle{0};  // the origin of its own rays
+        double scale = 1;     // brings its size to about 1
     };
     std::map<int, Part> part;
     for (unsigned i = 0; i < scene.instances.size(); ++i) {

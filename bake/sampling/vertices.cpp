@@ -17,19 +17,19 @@ namespace {
 
 using glm::dvec3;
 
-constexpr int kSuspicious = 4;                                // of Solids::kProbes rays, that see backs of faces: somewhere else may be
-constexpr double kBetter = 0.25;                              // which sees no more than this share of them
-constexpr double kSteps[] = {0.02, 0.1, 0.25, 0.5, 0.75, 1};  // of the way to the middle of a triangle or an edge
-constexpr double kNoArea = 1e-10;                             // a triangle's area over its longest edge squared
-constexpr double kLarge = 0.05;                               // of the scene's size, a triangle's longest edge
-constexpr double kSteep = 0.1;                                // cosine, below which a normal hardly leads away from a face
+constexpr int kSuspicious = 4;    // where so many of Solids::kProbes rays see backs of faces, other points are tried
+constexpr double kBetter = 0.25;  // and one is taken that sees no more than this fraction of those backs
+constexpr double kSteps[] = {0.02, 0.1, 0.25, 0.5, 0.75, 1};  // fractions of the way to the middle of a triangle or an edge
+constexpr double kNoArea = 1e-10;  // a triangle has no area up to this ratio of its area to its squared longest edge
+constexpr double kLarge = 0.05;    // a large triangle's longest edge, as a fraction of the scene's size
+constexpr double kSteep = 0.1;     // cosine below which a normal hardly leads away from a face
 
-// What the triangles about one vertex say.
+// A summary of the triangles about one vertex.
 struct Corner {
-    int count = 0;          // of those that have an area
-    dvec3 faces{0};         // sum of their normals, by angle, on the side of their vertices' normals
+    int count = 0;          // triangles that have an area
+    dvec3 faces{0};         // sum of their normals, weighted by angle, on the side of their vertices' normals
     dvec3 within{0};        // sum of the directions to their middles
-    double longest = 0;     // edge, metres
+    double longest = 0;     // the longest edge, metres
     double middle = 1e300;  // metres to the nearest of their middles
 };
 
@@ -59,7 +59,7 @@ public:
     bool used(size_t v) const { return first_[v + 1] > first_[v]; }
     const dvec3& place(size_t v) const { return places_[v]; }
     const dvec3& normal(size_t v) const { return normals_[v]; }
-    size_t inverted() const {  // triangles wound against their vertices' normals; mirroring turns a winding
+    size_t inverted() const {  // triangles wound opposite to their vertices' normals; mirroring reverses winding
         size_t n = 0;
         for (size_t t = 0; t < surface_.triangles.size(); ++t) n += hasArea(t) && (sideOf(t) < 0) != mirrored_;
         return n;
@@ -92,7 +92,7 @@ public:
         return out;
     }
 
-    // The least and the largest cosine between a direction and the faces about a vertex.
+    // The least and the largest cosine between `direction` and the normals of the faces about a vertex.
     std::pair<double, double> cosines(size_t v, const dvec3& direction) const {
         std::pair<double, double> out{1, -1};
         for (size_t i = first_[v]; i < first_[v + 1]; ++i)
@@ -103,7 +103,7 @@ public:
         return out;
     }
 
-    // Points of its triangles to look from instead, the nearest to the vertex first.
+    // Points of the vertex's triangles to start rays from instead, nearest first.
     std::vector<dvec3> others(size_t v) const {
         std::vector<dvec3> out;
         for (size_t i = first_[v]; i < first_[v + 1]; ++i) {
@@ -123,7 +123,8 @@ private:
         const auto& i = surface_.triangles[t];
         return glm::cross(places_[i[1]] - places_[i[0]], places_[i[2]] - places_[i[0]]);
     }
-    // On which side of its winding a triangle's vertex normals point; where they lie in it, its winding counts.
+    // 1 where a triangle's vertex normals point to the front of its winding or lie in its plane, -1 where they point to
+    // the back.
     double sideOf(size_t t) const {
         const auto& i = surface_.triangles[t];
         return glm::dot(crossOf(t), normals_[i[0]] + normals_[i[1]] + normals_[i[2]]) < 0 ? -1 : 1;
@@ -134,7 +135,7 @@ private:
                          glm::distance(places_[i[2]], places_[i[0]])});
     }
     bool hasArea(size_t t) const { return glm::length(crossOf(t)) > 2 * kNoArea * longest(t) * longest(t); }
-    // From a vertex to the others of its triangle, in the order of its winding.
+    // From a vertex to the other two of its triangle, in winding order.
     std::pair<dvec3, dvec3> edges(size_t t, size_t v) const {
         const auto& i = surface_.triangles[t];
         const int k = i[0] == v ? 0 : i[1] == v ? 1 : 2;
@@ -147,7 +148,7 @@ private:
     bool mirrored_ = false;
 };
 
-// Metres, the diagonal of the box about a scene's triangles.
+// The diagonal of the box about a scene's triangles, metres.
 double diagonalOf(const Scene& scene) {
     dvec3 low(std::numeric_limits<double>::max()), high = -low;
     for (const Instance& instance : scene.instances) {
@@ -161,14 +162,14 @@ double diagonalOf(const Scene& scene) {
     return glm::length(high - low);
 }
 
-// A vertex whose normal points behind all of its faces looks out on their side.
+// The normal to bake a vertex along: its own, or the mean of its faces' normals where its own points behind all of them.
 dvec3 outward(const Mesh& mesh, size_t v, const Corner& corner, bool& isBehind) {
     const auto [least, most] = mesh.cosines(v, mesh.normal(v));
     isBehind = corner.count > 0 && most < -1e-3 && glm::length(corner.faces) > 1e-6;
     return isBehind ? glm::normalize(corner.faces) : mesh.normal(v);
 }
 
-// A rounding step above all of the vertex's faces and within them, less what rayOrigin adds along the normal.
+// A point one rounding step above all of the vertex's faces and inside them, minus what rayOrigin adds along the normal.
 SurfacePoint nextTo(const Mesh& mesh, const Tracer& tracer, size_t v, const Corner& corner, const dvec3& normal) {
     dvec3 up = normal;
     if (const double least = mesh.cosines(v, normal).first; least < kSteep && glm::length(corner.faces) > 1e-6) {
@@ -178,7 +179,7 @@ SurfacePoint nextTo(const Mesh& mesh, const Tracer& tracer, size_t v, const Corn
     const double step = tracer.offset(mesh.place(v), corner.longest);
     dvec3 within = corner.within - glm::dot(corner.within, up) * up;
     within *= std::min(1.0, 0.25 * corner.middle / step) / std::max(glm::length(within), 1.0);
-    // Faces that rise towards their middles leave less room for it.
+    // Where faces rise towards their middles, there is less room inside them.
     for (int halved = 0; halved < 6 && mesh.cosines(v, up + within).first < kSteep; ++halved) within *= halved < 5 ? 0.5 : 0.0;
     return {mesh.place(v) + step * (up - normal + within), glm::vec3(normal), corner.longest};
 }
