@@ -26,8 +26,8 @@ struct Arguments {
     uint32_t seed = 1;
 };
 
-const std::vector<double> kRadii{0.27, 1, 5, 15, 30};  // degrees, of the lights that cross the scenes
-const std::vector<double> kHalfRadii{0.27, 1, 5, 15};  // one of each class: what takes long is to compile them
+const std::vector<double> kRadii{0.27, 1, 5, 15, 30};  // degrees, lights that cross the scenes
+const std::vector<double> kHalfRadii{0.27, 1, 5, 15};  // one per light class: compiling takes the most time
 const char* const kHalfScenes[] = {"terrain", "room-1", "statue", "canyon"};
 
 struct ModelReport {
@@ -128,7 +128,7 @@ void run(const Arguments& a) {
     std::filesystem::create_directories(a.out, failed);
     if (failed || !std::filesystem::is_directory(a.out)) throw Error(a.out + ": is not a folder, and cannot be made one");
     const std::string sweeps = a.out + "/sweeps.csv";
-    PendingFile(sweeps.c_str());  // says now that it cannot be written
+    PendingFile(sweeps.c_str());  // fail now if it cannot be written
 
     std::optional<Gpu> gpu;
     FrameEvaluator device, half;
