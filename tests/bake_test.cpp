@@ -45,7 +45,7 @@ TEST(Bake, AnOpenPlaneSeesTheWholeHemisphere) {
 }
 
 TEST(Bake, UnderASphereTheBlockedRegionIsACap) {
-    // A point at distance 3 below the centre of a unit sphere: it blocks a cap of sin r = 1/3.
+    // From 3 below its centre a unit sphere blocks a cap with sin r = 1/3.
     const Scene scene = sceneOf(ball({0, 3, 0}, 1));
     const SurfacePoint point{{0, 0, 0}, {0, 1, 0}};
     const double cosine = std::sqrt(1 - 1 / 9.0);
@@ -114,7 +114,7 @@ TEST(Bake, StopsWhenToldTo) {
 }
 
 TEST(Bake, DirectionsTurnWithTheInstance) {
-    // The quarter sky beside a wall, the whole scene turned, mirrored and scaled by its node.
+    // A quarter of the sky beside a wall; the node turns, mirrors and scales the whole scene.
     Surface room;
     addPanel(room, {0, -50, 50}, {0, 0, -100}, {0, 100, 0}, 100);
     addPanel(room, {-1, 0, 1}, {0.999, 0, 0}, {0, 0, -2}, 2);
@@ -140,7 +140,7 @@ TEST(Bake, SharedSurfacesAreTracedInEveryPlace) {
     const Tracer tracer(scene);
     EXPECT_TRUE(tracer.occluded({0, 5, 0}, {0, -1, 0}, kNoLimit));
     EXPECT_TRUE(tracer.occluded({3, 5, 0}, {0, -1, 0}, kNoLimit));
-    // Packets that skim flat instances once kept Embree from coming to an end.
+    // Regression: Embree did not terminate on packets of rays that graze flat instances.
     Scene flat = sceneOf(
         Surface{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, std::vector<glm::vec3>(4, {0, 0, 1}), {{0, 1, 2}, {0, 2, 3}}});
     flat.instances.push_back({0, there});

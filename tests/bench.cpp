@@ -1,4 +1,4 @@
-// Speeds, as ratios within one run wherever a machine would matter. Run by hand: build/release/tests/bench
+// Speeds, as ratios within one run where they depend on the machine. Run by hand: build/release/tests/bench
 #include <benchmark/benchmark.h>
 
 #if __has_include(<embree4/rtcore.h>)
@@ -44,8 +44,7 @@ double seconds(auto&& work) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The baker on one thread, in turn with the same rays in packets made beforehand, through Embree and
-// nothing else.
+// The baker on one thread, in turn with Embree alone on the same rays in prepared packets.
 void BakeAgainstBareEmbree(benchmark::State& state) {
     const Surface& surface = statue().scene.surfaces[0];
     RTCDevice device = rtcNewDevice(nullptr);
@@ -119,7 +118,7 @@ std::vector<Packed8> packed() {
     return out;
 }
 
-// From the four bytes, as a loader does.
+// Converts from the four bytes, as a loader does.
 template <typename Convert>
 void convertAll(benchmark::State& state, Convert&& convert) {
     const std::vector<Packed8> bytes = packed();
@@ -134,9 +133,9 @@ void ToSoft(benchmark::State& state) {
     convertAll(state, [](const Visibility& v, const vec3& n) { return toSoft(v, n); });
 }
 
-// What a recipe makes of the 256 rays of points from six scenes: points a second on one core, the best
-// pass of all. How the errors of two lobes compare with a long search, soft, firm and as caps:
-// Models.FitsAreNoWorse* in model_test.cpp, with the options that two hard edges are fitted by.
+// Speed of a recipe on points of six scenes with 256 rays each: points per second on one core, of the fastest pass.
+// Models.FitsAreNoWorse* in model_test.cpp compares the errors of two lobes with those of a long search, for soft steps, for
+// firm ones and for steps as hard as caps, with the options that two hard edges are fitted with.
 void Fit(benchmark::State& state, const char* name) {
     const FitTools tools(256);
     std::vector<Samples> samples;

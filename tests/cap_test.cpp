@@ -38,14 +38,14 @@ TEST(CapReference, KnownDegenerateCases) {
     const dvec3 tilted(std::sin(0.7), 0, std::cos(0.7));
     EXPECT_NEAR(length(along({{up, 0.3}, {tilted, 0.4}})), 0, 1e-8);
     EXPECT_NEAR(along({{up, 1.1}, {tilted, 0.4}}).x, pi * std::pow(std::sin(0.4), 2) * std::sin(0.7), 1e-8);
-    // Two caps over 90 degrees that cover the sphere: what neither leaves out.
+    // Two caps over 90 degrees that cover the sphere: their intersection is the sphere without their two complements.
     const double a = 2.8;
     const dvec3 both = along({{up, a}, {side, a}});
     EXPECT_LT(length(both - pi * std::pow(std::sin(a), 2) * (up + side)), 1e-12);
 }
 
 TEST(CapReference, HalfACapOnTheHorizon) {
-    // A light centred on the horizon, by quadrature over its rings: each is half up.
+    // A light centred on the horizon, by quadrature over its rings, of which one half is above the horizon.
     const double r = 0.5;
     double expected = 0;
     const int steps = 200000;

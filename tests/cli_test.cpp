@@ -1,4 +1,4 @@
-// The program as a user meets it: exit codes, one line on standard error, no file left behind.
+// The command line: exit codes, one line on standard error, no file left behind.
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -37,7 +37,7 @@ Result run(const std::string& arguments) {
 
 long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
-// Fails with `code`, one line that names `name`, and leaves the folder of `out` as it was.
+// Expects the exit code `code`, one line on standard error that contains `name`, and nothing on standard output.
 void expectRefusal(const std::string& arguments, int code, const std::string& name) {
     const Result r = run(arguments);
     EXPECT_EQ(r.code, code) << arguments << "\n" << r.error;
@@ -207,7 +207,7 @@ TEST(Cli, WhatCannotBeWrittenIsSaidBeforeTheWork) {
     const Folder folder;
     const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", latin = "caf\xe9";
     const std::string scene = folder.write(latin + ".obj", text), plain = folder.write("a.obj", text), out = folder / "o.glb";
-    // The rays would take minutes.
+    // The refusal must come before the rays, which would take minutes.
     const auto start = std::chrono::steady_clock::now();
     expectRefusal("bake " + scene + " -o " + out + " --rays 1048576", 1, latin + ".obj");
     expectRefusal("bake builtin:terrain -o " + (folder / std::string(252, 'n')) + ".glb --rays 1048576", 1, "name too long");
@@ -236,7 +236,7 @@ TEST(Cli, FilesThatDoNotFitAreAFailure) {
     const Folder folder;
     const std::string glb = folder / "o.glb";
     ASSERT_EQ(run("bake builtin:room-1 -o " + glb + " --rays 4").code, 0);
-    // At most a kilobyte a file: the picture, the table and the asset are larger.
+    // Files are limited to a kilobyte: the picture, the table and the asset are larger.
     for (const std::string& arguments :
          {"render " + glb + " -o " + (folder / "p.png") + " --size 300x300",
           "render " + glb + " -o " + (folder / "p.exr") + " --size 300x300", "bake " + glb + " -o " + (folder / "p.glb") + " --rays 4",
@@ -250,7 +250,7 @@ TEST(Cli, FilesThatDoNotFitAreAFailure) {
 TEST(Cli, WhatAKilledBakeLeftGoesWithTheNext) {
     const Folder folder;
     const std::string out = folder / "o.glb", scene = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    // Killed while it holds its temporary file: as soon as that is there.
+    // Kill the program as soon as its temporary file exists.
     const std::string again = "bake " + scene + " -o " + out + " --rays 4";
     for (int i = 0; i < 3; ++i) {
         const pid_t pid = fork();
@@ -265,7 +265,7 @@ TEST(Cli, WhatAKilledBakeLeftGoesWithTheNext) {
         EXPECT_EQ(folder.files(), 2u) << "the scene and the asset";
         fs::remove(out);
     }
-    // Certain to be there: a name as a killed run leaves it.
+    // A file under the name that a killed run leaves, whether or not one was left above.
     folder.write(".o.apertura-0badcafe.glb", "half");
     ASSERT_EQ(run(again).code, 0);
     EXPECT_EQ(folder.files(), 2u);
@@ -302,7 +302,7 @@ TEST(Cli, MutantsEndInOneLine) {
 TEST(Cli, AssetsPassTheKhronosValidator) {
     if (!std::getenv("GLTF_VALIDATOR")) GTEST_SKIP() << "the Khronos glTF validator is not here (tools/test installs it)";
     const Folder folder;
-    // Files that are valid themselves: what is wrong with an input's own content stays.
+    // Only valid files: faults in the content of an input would be kept.
     std::vector<std::string> scenes{"builtin:canyon"};
     if (fs::exists(dataFolder()))
         for (const char* file : {"gltf/BoxInterleaved.glb", "gltf/CesiumMilkTruck.glb", "gltf/CesiumMilkTruck_quantized.glb",
@@ -347,7 +347,7 @@ TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
         EXPECT_EQ(r.code, 0) << model << r.error;
     }
     expectRefusal("render " + (folder / "soft-2.glb") + " -o " + (folder / "q.png") + " --model horizon", 1, "does not hold horizon");
-    // A name in the file that promises what it does not hold.
+    // The file names a model whose numbers it does not hold.
     for (const auto& [said, expected] : {std::pair("soft", 1), std::pair("firm-2", 1), std::pair("nobody", 1)}) {
         std::string bytes = slurp(folder / "soft-2.glb");
         const std::string from = "\"model\":\"soft-2\"", to = std::string("\"model\":\"") + said + "\"";
@@ -372,7 +372,7 @@ TEST(Cli, RefusesTolerancesAndModelsThatAreNone) {
     EXPECT_FALSE(fs::exists(out));
 }
 
-// A little of everything that the page needs.
+// Runs `chart` with the least that its page needs. Returns the exit code and what the program printed.
 std::string chart(const Folder& folder, const std::string& environment) {
     const std::string out = folder / "chart";
     const std::string command = environment + " " APERTURA_PROGRAM " chart builtin:sphere-over-plane builtin:room-1 -o " + out
@@ -387,14 +387,14 @@ TEST(Cli, ChartLeavesATableAndAPageThatSortsInABrowser) {
     ASSERT_EQ(said[0], '0') << said;
     const std::string out = folder / "chart";
     const std::string csv = slurp(out + "/models.csv");
-    EXPECT_EQ(lines(csv), 1 + 2 * 2 * 5) << csv;  // scenes, radii, and four models with soft from two sources
+    EXPECT_EQ(lines(csv), 1 + 2 * 2 * 5) << csv;  // 2 scenes, 2 radii, 4 models, of which soft is from two sources
     for (const char* picture : {"error-bytes", "error-cycles-navi21", "error-time-ratio", "error-bake-ratio", "scenes", "worst-scenes"})
         for (const char* kind : {".png", ".svg"}) EXPECT_GT(slurp(out + "/" + picture + kind).size(), 2000u) << picture;
     const std::string html = slurp(out + "/index.html");
     EXPECT_EQ(html.find("src=\"http"), std::string::npos);
     EXPECT_EQ(html.find('@'), std::string::npos);
     if (!fs::exists("/usr/bin/chromium")) GTEST_SKIP() << "there is no Chromium";
-    // Click on RMSE, the sixth column, then read the column as the browser has it.
+    // Click on RMSE, the sixth column, then read the column that the browser shows.
     const std::string probe =
         "<script>document.querySelectorAll('#all th')[5].click();"
         "document.body.innerHTML = 'SORTED ' + [...document.getElementById('all').tBodies[0].rows].map(r => r.cells[5].textContent).join(' "
@@ -411,7 +411,7 @@ TEST(Cli, ChartLeavesATableAndAPageThatSortsInABrowser) {
     std::istringstream words(dom.substr(at + 7, dom.find(" END", at) - at - 7));
     std::vector<double> values;
     for (double v; words >> v;) values.push_back(v);
-    EXPECT_EQ(values.size(), 3u * 2 * 5);  // the mean, and two scenes
+    EXPECT_EQ(values.size(), 3u * 2 * 5);  // the mean and two scenes
     EXPECT_TRUE(std::is_sorted(values.begin(), values.end()));
 }
 

@@ -1,11 +1,11 @@
-// The mean over a light of a product of visibilities: against brute force, and exact overlaps.
+// The mean over a light of a product of visibilities, compared with brute force and with exact overlaps.
 #include "sh/models.h"
 #include "tests/support.h"
 
 namespace apertura::test {
 namespace {
 
-// Directions evenly over a light.
+// `n` unit directions, uniform over a light.
 std::vector<dvec3> directionsIn(const dvec3& axis, double radius, int n) {
     const dvec3 u = normalize(cross(axis, dvec3(0.3, 0.5, 0.81))), v = cross(axis, u);
     std::vector<dvec3> out;
@@ -22,7 +22,7 @@ TEST(Edges, CovarianceIsThatOfTwoPlanesOverTheLight) {
     for (int i = 0; i < 300; ++i) {
         const double radius = random(0.02, pi / 4);
         dvec3 axis = random.direction(), a = random.direction(), b = random.direction();
-        if (i % 3 == 0) a = axis, b = normalize(axis + 0.1 * b);  // their edges lie along the light's own
+        if (i % 3 == 0) a = axis, b = normalize(axis + 0.1 * b);  // edges then run along the light's rim
         double sumA = 0, sumB = 0, squareA = 0, squareB = 0, product = 0;
         const std::vector<dvec3> inside = directionsIn(axis, radius, 4000);
         for (const dvec3& w : inside) {
@@ -41,7 +41,7 @@ TEST(Edges, CovarianceIsThatOfTwoPlanesOverTheLight) {
     EXPECT_GT(alongOnly, 0.9);
 }
 
-// Half planes and discs across a disc, or what they leave of it, whose edges lie any way.
+// Half planes, discs and their complements over a unit disc; the edges have random directions, or nearly parallel ones.
 TEST(Edges, MeansOfThreeAndFourFollowFromTheirPairs) {
     Random random(72);
     double three = 0, four = 0, plainThree = 0, plainFour = 0, worst = 0;
@@ -97,8 +97,8 @@ TEST(Edges, TwoMeansAreWithinWhatTwoCanHave) {
     EXPECT_NEAR(meanOfTwo(0.4f, 0.7f, edgeAlignment(-1)), 0.1f, 1e-6);
 }
 
-// The same cap several times is that cap: across the light's edge, and where it lies within the light and has no edge
-// that could point anywhere.
+// The same cap several times counts once, where it crosses the light's edge and where it lies within the light, so that
+// its edge has no direction.
 TEST(Edges, CapsOneUponTheOtherCountOnce) {
     Random random(74);
     const dvec3 n(0, 0, 1);
@@ -180,11 +180,12 @@ TEST(Edges, TheSlopeOfLobesIsTheirGradient) {
     }
 }
 
-// Whatever the formula for its disc errs by: through an opening of a degree comes at most what all of the sky sends.
+// Through an opening of one degree a light brings no more than a sky of the same radiance, whatever the error of the
+// formula for large lights.
 TEST(Edges, NoLargeLightBringsMoreThanTheSky) {
     const vec3 n(0, 0, 1);
     const dvec3 axis = normalize(dvec3(0.3, 0, 1));
-    const double radius = pi / 180, sky = pi * std::pow(std::sin(radius), 2) * axis.z;  // of a cap above the horizon
+    const double radius = pi / 180, sky = pi * std::pow(std::sin(radius), 2) * axis.z;  // through the opening, a cap above the horizon
     const double area = 2 * pi * (1 - std::cos(radius));
     const Visibility v{vec3(axis * area * (1 - area / (4 * pi))), float(area)};
     const Receiver receiver = toReceiver(*findModel("soft"), v, n);

@@ -1,5 +1,5 @@
 #pragma once
-// Small glTF files as text.
+// Builds small glTF files as text.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,7 +17,8 @@ inline std::string base64(const std::string& bytes) {
     return out;
 }
 
-// A glTF of one buffer of floats and one mesh; accessors, primitives and nodes as JSON.
+// A glTF file with one buffer of floats and one mesh. Views, accessors, the primitive and nodes are JSON without the
+// brackets of their arrays; `extra` is appended to the document's members.
 inline std::string gltf(const std::vector<float>& data, const std::string& views, const std::string& accessors,
                         const std::string& primitive, const std::string& nodes = R"({"mesh":0})", const std::string& extra = "") {
     const std::string bytes(reinterpret_cast<const char*>(data.data()), data.size() * 4);
@@ -29,6 +30,6 @@ inline std::string gltf(const std::vector<float>& data, const std::string& views
 inline const std::vector<float> kSquare{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
 inline const char* const kView = R"({"buffer":0,"byteLength":48})";
 inline const char* const kVec3 = R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":4,"min":[0,0,0],"max":[1,1,0]})";
-inline const char* const kFan = R"({"attributes":{"POSITION":0},"mode":6})";  // the square, of kSquare, kView and kVec3
+inline const char* const kFan = R"({"attributes":{"POSITION":0},"mode":6})";  // the square; needs kSquare, kView and kVec3
 
 }  // namespace apertura::test

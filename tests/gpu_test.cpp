@@ -1,4 +1,4 @@
-// The Vulkan device against the same text in C++; the validation layer's silence; the pictures.
+// Vulkan: the device computes what the same text computes in C++, the validation layer is silent, pictures are right.
 #include "bake/fit/bake.h"
 #include "bake/measure/reference.h"
 #include "bake/scene/load.h"
@@ -42,13 +42,13 @@ double differenceOf(const Picture& a, const Picture& b) {
     return std::sqrt(sum / double(a.pixels.size()));
 }
 
-// Any parameters that a model's own bytes could hold.
+// Random parameters that a model's bytes can hold.
 ModelParams randomForm(const Model& model, const Visibility& v, const vec3& normal, Random& random) {
     const Model* stored = &model;
     if (model.kind == ModelKind::Choice) stored = autoModels()[size_t(random(0, double(autoModels().size())))];
     std::vector<float> numbers(size_t(storedNumbers(*stored)) + 1);
     for (float& n : numbers) n = float(random(-1, 1));
-    // Coefficients are small in the high bands of anything real.
+    // Real coefficients are small in the high bands.
     if (stored->id == MODEL_SH_L4)
         for (float& n : numbers) n *= 0.3f;
     ModelParams params = unpackParams(*stored, numbers);
@@ -108,14 +108,14 @@ TEST_F(GpuTest, DrawsAnOpenPlaneAsTheClosedFormSays) {
     view.sky = {0.1f, 0.2f, 0.3f};
     view.albedo = vec3(0.5f);
     Renderer renderer(*gpu, asset);
-    // Eight lights at 60 degrees from the normal: each adds pi s^2 cos 60; the sky fills pi less that.
+    // Eight lights at 60 degrees from the normal add pi sin^2 r cos 60 each; the sky fills the rest of pi.
     const double r = 0.02, e = pi * std::sin(r) * std::sin(r) * 0.5;
     for (int i = 0; i < 8; ++i) {
         const double turn = 2 * pi * i / 8, s = std::sin(pi / 3);
         view.lights.push_back(directionalLight({s * std::cos(turn), 0.5, s * std::sin(turn)}, r, vec3(100)));
     }
     for (const Model& model : models()) {
-        if (!model.fromVisibility || model.id == MODEL_OAT || model.id == MODEL_SH_L1) continue;  // not there, or wrong by their own lights
+        if (!model.fromVisibility || model.id == MODEL_OAT || model.id == MODEL_SH_L1) continue;  // neither gives the closed form
         const Picture picture = renderer.draw(view, model);
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(picture.pixels[8 * 16 + 8][c], 0.5 / pi * (8 * e * 100 + (pi - 8 * e) * view.sky[c]), 2e-3) << model.name;
@@ -141,7 +141,7 @@ TEST_F(GpuTest, ShowsWhatTheReferenceShows) {
                 differenceOf(oat, truth), meanOf(truth));
     EXPECT_LT(differenceOf(soft, truth), 0.12 * meanOf(truth));
     EXPECT_GT(differenceOf(oat, truth), 1.3 * differenceOf(soft, truth));
-    // Silhouettes fall on the same pixels: the sky's colour, untouched.
+    // Silhouettes fall on the same pixels: those with exactly the sky's colour.
     int both = 0, either = 0;
     for (size_t i = 0; i < truth.pixels.size(); ++i) {
         const bool a = truth.pixels[i] == view.sky, b = soft.pixels[i] == view.sky;
@@ -169,7 +169,7 @@ TEST_F(GpuTest, SwitchesModelsWithoutAReload) {
 }
 
 TEST_F(GpuTest, TheShadowMapShowsTheShadowsOfTheReference) {
-    // With a black sky, which the baseline knows nothing about.
+    // The sky is black, since nothing blocks it in the baseline.
     const Asset asset = bakedScene("canyon", 1);
     View view;
     view.width = 120;
@@ -204,7 +204,7 @@ TEST_F(GpuTest, FramesInFlightAreThoseDrawnOneByOne) {
     renderer.prepareShadowMapped(format);
     std::vector<Offscreen> targets;
     for (int i = 0; i < 4; ++i) targets.emplace_back(*gpu, size, vk::Format(format));
-    // All in one submission: none runs before the last is recorded.
+    // All frames are in one submission: none runs before the last is recorded.
     gpu->run([&](VkCommandBuffer commands) {
         for (int i = 0; i < 4; ++i) {
             targets[size_t(i)].begin(commands);
@@ -254,7 +254,7 @@ TEST_F(GpuTest, RecordsOnlyWhatIsPrepared) {
     View wider = view;
     wider.lights = {directionalLight({1, 1, 1}, 0.5, vec3(1))};
     EXPECT_THROW(recorded(shown, wider, &soft), Error);
-    // The sky, in the top left corner, is there as a screen shows it.
+    // The sky, in the top left corner, is encoded as sRGB.
     recorded(shown, view, &soft);
     const auto* bytes = static_cast<const uint8_t*>(shown.pixels());
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(bytes[2 - c] / 255.0, 1.055 * std::pow(double(view.sky[c]), 1 / 2.4) - 0.055, 0.004) << c;

@@ -43,7 +43,7 @@ TEST(Truth, OfAnOpenLightIsTheClosedForm) {
 }
 
 TEST(Measure, ModelsStandInTheOrderOfTheTable) {
-    // MATH.md's table at 5 degrees: soft beats aperture beats oat, in every scene; ao loses to soft.
+    // The order of MATH.md's table at 5 degrees: in every scene soft beats aperture, aperture beats oat, and soft beats ao.
     for (const char* name : {"terrain", "sphere-over-plane", "room-2", "canyon", "colonnade", "forest", "statue"}) {
         const Measurement m = measureScene(makeBuiltin(name), at5(150));
         EXPECT_LT(rmse(m, "soft"), rmse(m, "aperture")) << name;
@@ -77,8 +77,8 @@ TEST(Measure, TheNineScenesReachTheirMeans) {
 #ifdef __SANITIZE_ADDRESS__
     GTEST_SKIP() << "minutes with sanitizers; the other tests run the same code";
 #endif
-    // At 5, 15 and 30 degrees. The first two rows are MATH.md's prototypes and better; the others what more
-    // numbers gave here, and a margin for the receivers' seed.
+    // Upper bounds at 5, 15 and 30 degrees. The first two rows are at least as good as MATH.md's prototypes; the others are
+    // measured here, with a margin for the receivers' seed.
     const struct {
         const char *model, *source;
         double most[3];
@@ -124,7 +124,7 @@ TEST(Measure, AnAssetAddsItsBytesAndInterpolation) {
 }
 
 TEST(Measure, ASceneThatIsClosedIsDarkAndFinite) {
-    // Inside a shell: every receiver looks at its inner wall.
+    // Every receiver is inside a shell and sees its inner wall alone.
     Scene scene;
     scene.name = "shell";
     Surface shell;
@@ -143,7 +143,7 @@ TEST(Measure, ASceneThatIsClosedIsDarkAndFinite) {
     for (const MeasureRow& row : m.rows) {
         if (row.model == "unshadowed") continue;
         EXPECT_EQ(row.rmsTruth, 0);
-        // Heights end a little below the zenith: the highest of so many rays.
+        // A horizon map leaves a gap at the zenith: its heights are those of the highest rays.
         EXPECT_LT(row.rmse, row.model == "horizon" ? 0.3 : 1e-3) << row.model;
     }
 }

@@ -1,4 +1,4 @@
-// Every model's parameters: their bytes, their turning, and what its formula makes of regions with known answers.
+// The parameters of every model: packing, rotation, and their light for regions with closed forms.
 #include "bake/fit/bake.h"
 #include "bake/fit/choose.h"
 #include "bake/fit/lobe_sums.h"
@@ -17,7 +17,7 @@ namespace {
 
 const vec3 kUp(0, 0, 1);
 
-// Samples of a region given by a predicate, with the normal along +Z.
+// Samples of the open region where `inside` is true. The normal is +Z.
 template <typename Inside>
 Samples samplesOf(const SampleLattice& lattice, Inside&& inside) {
     std::vector<uint8_t> blocked;
@@ -25,7 +25,7 @@ Samples samplesOf(const SampleLattice& lattice, Inside&& inside) {
     return Samples(lattice, blocked);
 }
 
-// RMSE of a recipe's model against the exact E / (L pi sin^2 r), over lights of one radius.
+// RMSE of a recipe's model from the exact E / (L pi sin^2 r), over lights of one radius in radians.
 template <typename Exact>
 double errorOf(const char* recipeName, const char* modelName, const FitTools& tools, const Samples& samples, double radius, Exact&& exact) {
     const Recipe& recipe = *findRecipe(recipeName);
@@ -65,7 +65,7 @@ TEST(Models, EachHasAFormulaForEveryClassOfLightsAndARecipe) {
     const Receiver receiver{kUp, vec4(0, 0, 1, 2), {}};
     EXPECT_EQ(irradianceThrough(MODEL_COUNT, receiver, light, LIGHTS_ANY), NO_FORMULA);
     EXPECT_EQ(irradianceThrough(-1, receiver, light, LIGHTS_ANY), NO_FORMULA);
-    Receiver undecided = receiver;  // `auto` may not choose it
+    Receiver undecided = receiver;  // `auto` may not choose horizon
     undecided.params[CHOICE_SLOT] = withChoice(vec4(0), {MODEL_HORIZON, false});
     EXPECT_EQ(irradianceThrough(MODEL_AUTO, undecided, light, LIGHTS_SUN), NO_FORMULA);
 }
@@ -79,7 +79,7 @@ TEST(Models, AutoChoosesByTagsThatAssetsHoldForEver) {
         numbers = candidate.model->numbers;
         EXPECT_TRUE(candidate.recipe->model == candidate.model->id || candidate.recipe->model < 0);
     }
-    EXPECT_EQ(candidates().size(), autoModels().size() + 1);  // `soft` once more, fitted
+    EXPECT_EQ(candidates().size(), autoModels().size() + 1);  // `soft` is there twice: converted and fitted
 }
 
 TEST(Models, ASlotGivesBackWhatWasPutIn) {
@@ -101,7 +101,7 @@ TEST(Models, ASlotGivesBackWhatWasPutIn) {
         EXPECT_EQ(two.second.terms, b.terms);
         const Receiver all = withApertureOfUnion(withApertureOfUnion(withApertureOfUnion({}, 3, 0, a), 3, 1, b), 3, 2, c);
         expectSame(apertureOfUnion(all, 3, 0), a), expectSame(apertureOfUnion(all, 3, 1), b), expectSame(apertureOfUnion(all, 3, 2), c);
-        // Four lobes' combination and the choice of `auto` share a slot.
+        // The combination of four lobes and the choice of `auto` are in the same slot.
         const vec4 slot = withChoice(withCombination(vec4(0), {1, 2}), {MODEL_FIRM_4, true});
         EXPECT_EQ(combinationIn(slot).complement, 1);
         EXPECT_EQ(combinationIn(slot).pairs, 2);
@@ -123,7 +123,7 @@ TEST(Models, AnyNumbersUnpackToAFiniteFormAndPackAgain) {
                 for (int c = 0; c < 4; ++c) ASSERT_TRUE(std::isfinite(slot[c])) << model.name;
             packParams(model, params, again);
             const ModelParams back = unpackParams(model, again);
-            // The same light, whichever of several names an axis has.
+            // An axis can have several encodings: the light is compared.
             const Visibility v{vec3(0, 0, 1), 3};
             for (int k = 0; k < 4; ++k) {
                 const CapLight light = capLight(random.direction(), 0.1);
@@ -139,7 +139,7 @@ TEST(Models, AnyNumbersUnpackToAFiniteFormAndPackAgain) {
 TEST(Models, FormsTurnWithTheirFrame) {
     Random random(52);
     for (const Model& model : models()) {
-        if (storedNumbers(model) == 0 || model.id == MODEL_HORIZON) continue;  // heights are about the normal
+        if (storedNumbers(model) == 0 || model.id == MODEL_HORIZON) continue;  // its heights are relative to the normal
         for (int i = 0; i < 50; ++i) {
             std::vector<float> numbers(size_t(storedNumbers(model)));
             for (float& n : numbers) n = float(random(-0.3, 0.3));
@@ -173,7 +173,7 @@ TEST(Models, CapBlurIsTheMeanOverTheCap) {
         const double h = 1 - std::cos(r);
         double sum[4]{};
         for (int i = 0; i < 10000; ++i) {
-            const double z = 1 - h * (i + 0.5) / 10000;  // even in height is even in area
+            const double z = 1 - h * (i + 0.5) / 10000;  // uniform in height is uniform in area
             const double p[4] = {z, (3 * z * z - 1) / 2, (5 * z * z * z - 3 * z) / 2, (35 * z * z * z * z - 30 * z * z + 3) / 8};
             for (int l = 0; l < 4; ++l) sum[l] += p[l] / 10000;
         }
@@ -194,7 +194,7 @@ TEST(Models, AlphaHasAllFourNumbers) {
     }
 }
 
-// What is open is everything but a cap, or two caps: the exact light follows from caps alone.
+// All is open but one cap or two: the exact light follows from caps by inclusion-exclusion.
 TEST(Models, AnAntiApertureIsRightAboutASphereOverAPlane) {
     const FitTools tools(4096);
     const dvec3 axis = normalize(dvec3(0.5, 0.2, 1));
@@ -222,13 +222,13 @@ TEST(Models, TwoOpeningsAreFoundAndLit) {
         };
         for (const char* model : {"multi-2", "cap-anti", "firm-2", "soft-2", "firm-3", "firm-4"})
             EXPECT_LT(errorOf(model, model, tools, samples, radius, exact), 0.045) << model << " " << radius;
-        // Its third aperture overlaps the others, and light through both counts twice.
+        // The third aperture of multi-3 overlaps the others, and light through both counts twice.
         EXPECT_LT(errorOf("multi-3", "multi-3", tools, samples, radius, exact), 0.065) << radius;
         EXPECT_GT(errorOf("sh", "soft", tools, samples, radius, exact), 0.06);
     }
 }
 
-// Two openings that are long and narrow: four edges in two pairs, and not four edges of one opening.
+// Two long and narrow openings: the four edges form two pairs, not one opening.
 TEST(Models, PairsOfLobesAreSlits) {
     const FitTools tools(4096);
     const dvec3 a = normalize(dvec3(1, 0, 0.15)), b = normalize(dvec3(-1, 0, 0.35));
@@ -249,8 +249,8 @@ TEST(Models, PairsOfLobesAreSlits) {
     EXPECT_GT(errorOf("soft-2", "soft-2", tools, samples, radius, exact), 2 * error);
 }
 
-// One instance of sumLobes: the same bytes with and without what newer processors have, and derivatives that are the
-// differences of the value.
+// Checks one instance of sumLobes: the results with and without the instructions of newer processors are the same bytes,
+// and its derivatives match central differences.
 template <int K, int M, bool Hard, int L>
 void checkSums(const SampleLattice& lattice, const Samples& samples) {
     using Sums = LobeSums<K, M, Hard>;
@@ -300,7 +300,7 @@ TEST(Models, SumsAreTheSameOnEveryProcessorAndTheirDerivativesRight) {
 #undef APERTURA_INSTANCE
 }
 
-// Patches of every number of rays stand in whole groups of neighbours.
+// For every number of rays the patches of a group are neighbours, within 0.9 radians.
 TEST(Models, GroupsOfPatchesAreNeighbours) {
     for (int rays : {256, 300, 500, 1000, 1024, 1500, 4096}) {
         const SampleLattice lattice(rays);
@@ -326,7 +326,7 @@ TEST(Models, FitsAreNoWorseThanALongSearch) {
     for (const SurfaceSample& p : sampleReceivers(scene, 24, 3)) points.push_back(p.at);
     const FitTools tools(256);
     const CapDictionary fine(tools.lattice, 200, 20);
-    for (const float sharpness : {0.0f, kHardSharpness, 2 * kHardSharpness}) {  // soft, firm, and as caps are
+    for (const float sharpness : {0.0f, kHardSharpness, 2 * kHardSharpness}) {  // soft, firm, and as hard as caps
         double own = 0, slow = 0;
         samplePoints(RayOcclusion(tracer), points, tools.lattice, 1, 1, {}, [&](size_t, const Samples& samples, const mat3&) {
             LobeFitOptions fitOptions;
@@ -389,7 +389,7 @@ TEST(FormStream, RefusesWhatCannotBe) {
     EXPECT_THROW(unpackAllParams(two, bytes, 2, mat3(1), 8), Error);
     EXPECT_THROW(unpackAllParams(two, bytes, 3, mat3(1), 16), Error);
     EXPECT_THROW(unpackAllParams(automatic, bytes, 25, mat3(1), 8), Error);
-    bytes = {0, 1, 2, 0x80};  // four points that store nothing, the last out of reach
+    bytes = {0, 1, 2, 0x80};  // four points without numbers; for the last no model reached the tolerance
     const std::vector<ModelParams> allParams = unpackAllParams(automatic, bytes, 4, mat3(1), 8);
     EXPECT_EQ(chosenModel(automatic, allParams[2]).id, MODEL_SOFT);
     EXPECT_EQ(allParams[0][4].z, 0);

@@ -1,11 +1,11 @@
-// The traced picture that everything else is held to: lamps among the walls, against closed forms.
+// The ray-traced reference picture, compared with closed forms for lamps between walls.
 #include "bake/measure/reference.h"
 #include "tests/support.h"
 
 namespace apertura::test {
 namespace {
 
-// A square of 2 `half` metres a side at a height, facing up.
+// A square that faces up, 2 `half` metres per side, at `height` metres.
 Surface plate(double half, double height, double x = 0) {
     Surface out;
     const auto h = float(half), y = float(height), x0 = float(x);
@@ -15,7 +15,7 @@ Surface plate(double half, double height, double x = 0) {
     return out;
 }
 
-// E / L at the middle of a floor under one sphere of light, metres; blockers hang in between.
+// E / L at the middle of a floor under one sphere light, with blockers between. Lengths in metres.
 double underSphere(const glm::dvec3& centre, double radius, const std::vector<Surface>& blockers = {}) {
     Scene scene;
     scene.name = "lamp";
@@ -23,7 +23,7 @@ double underSphere(const glm::dvec3& centre, double radius, const std::vector<Su
     scene.surfaces.insert(scene.surfaces.end(), blockers.begin(), blockers.end());
     for (size_t i = 0; i < scene.surfaces.size(); ++i) scene.instances.push_back({int(i)});
     View view;
-    view.camera = {{0.02f, 0.5f, 0.01f}, {0, 0, 0}, 0.01f};  // a spot of millimetres, from below the blockers
+    view.camera = {{0.02f, 0.5f, 0.01f}, {0, 0, 0}, 0.01f};  // sees a few millimetres, from below the blockers
     view.width = view.height = 2;
     view.lights = {sphereLight(glm::vec3(centre), radius, glm::vec3(1))};
     view.sky = glm::vec3(0);
@@ -35,7 +35,7 @@ double underSphere(const glm::dvec3& centre, double radius, const std::vector<Su
 }
 
 TEST(Reference, ASphereOverAFloorIsTheClosedForm) {
-    // Wholly above the horizon, a sphere of radius R at distance d gives E = pi L (R / d)^2 cos(theta).
+    // A sphere of radius R at distance d, wholly above the horizon: E = pi L (R / d)^2 cos(theta).
     EXPECT_NEAR(underSphere({0, 4, 0}, 1), pi / 16, 2e-3 * pi / 16);
     EXPECT_NEAR(underSphere({0, 4, 0}, 3), pi * 9 / 16, 2e-3 * pi * 9 / 16);
     EXPECT_NEAR(underSphere({3, 4, 0}, 1), pi / 25 * 4 / 5, 2e-3 * pi / 25);
@@ -49,14 +49,14 @@ TEST(Reference, WhatIsInsideALampDoesNotDarkenIt) {
 }
 
 TEST(Reference, WhatIsBeforeALampsLimbDarkensIt) {
-    // Two plates at height 2.3 before the limb of a sphere of radius 2 at height 4: farther from the receiver than the
-    // sphere's nearest point, and still outside it. What they hide is what a brute-force sum over the sphere leaves.
+    // Two plates at height 2.3 hide the limb of a sphere of radius 2 at height 4: they are farther from the receiver than
+    // the sphere's nearest point, but outside it. The expected value is a brute-force sum over the sphere.
     const std::vector<Surface> sides{plate(0.1, 2.3, 1.22), plate(0.1, 2.3, -1.22)};
     double expected = 0;
     constexpr int kSteps = 1500;
     for (int i = 0; i < kSteps; ++i)
         for (int j = 0; j < kSteps; ++j) {
-            // Even steps over the disc of sines that the sphere fills: E is its area.
+            // Uniform steps over the disc x, z of directions to the sphere: E is the disc's area.
             const double x = (i + 0.5) / kSteps - 0.5, z = (j + 0.5) / kSteps - 0.5;
             if (x * x + z * z > 0.25) continue;
             const double y = std::sqrt(1 - x * x - z * z), t = 2.3 / y;

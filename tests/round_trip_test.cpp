@@ -1,4 +1,4 @@
-// What a glTF file held comes out of a bake as it was, value by value, but for what baking is there to change.
+// A bake keeps the content of a glTF file, value by value, except what it has to change.
 #include <algorithm>
 #include <cctype>
 
@@ -24,7 +24,7 @@ Json jsonOf(const std::string& path) {
     return Json::parse(container.json.begin(), container.json.end());
 }
 
-// Every vertex closed: what is compared is all the rest.
+// Visibility with every vertex closed, for tests of everything else in the file.
 BakedVisibility closedEverywhere(const Scene& scene) {
     BakedVisibility out;
     for (const Instance& instance : scene.instances)
@@ -32,9 +32,9 @@ BakedVisibility closedEverywhere(const Scene& scene) {
     return out;
 }
 
-// Where baking changes what stands there: checked by bytes, or by tests of their own.
+// True for places in the JSON that baking changes. Other tests check these, or their bytes.
 bool isOurs(const std::string& at) {
-    std::string place;  // with # for the numbers of elements
+    std::string place;  // `at` with # for indices
     for (size_t i = 0; i < at.size(); ++i) {
         const bool digit = std::isdigit(uint8_t(at[i])) != 0;
         if (!digit) place += at[i];
@@ -47,7 +47,7 @@ bool isOurs(const std::string& at) {
     return false;
 }
 
-// What of `in` is not in `out`.
+// Adds the places where `in` has what `out` has not to `missing`.
 void compare(const Json& in, const Json& out, const std::string& at, std::vector<std::string>& missing) {
     if (isOurs(at)) return;
     if (in.is_object() && out.is_object()) {
@@ -66,13 +66,13 @@ void compare(const Json& in, const Json& out, const std::string& at, std::vector
     }
 }
 
-// Whether vertices or nodes are spelled out, so that accessors make room for others.
+// True if vertices are split or instances become nodes: the indices of accessors then change.
 bool isRebuilt(const Scene& scene, const Json& in) {
     const bool flat = std::any_of(scene.surfaces.begin(), scene.surfaces.end(), [](const Surface& s) { return s.normalsMade; });
     return flat || in.dump().find("EXT_mesh_gpu_instancing") != std::string::npos;
 }
 
-// Bakes nothing into a copy and compares; whether accessors could be compared too.
+// Writes a copy with every vertex closed and compares. Returns whether accessors could be compared too.
 bool expectKept(const std::string& path) {
     const Folder folder;
     const std::string written = folder / "o.glb";
@@ -140,7 +140,7 @@ TEST(RoundTrip, OddValuesComeOutAsTheyWere) {
     writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
     const Json out = jsonOf(folder / "o.glb");
     EXPECT_EQ(out["buffers"][0]["extras"].dump(), Json::parse(odd).dump());
-    // The camera's roll of 178 degrees: what is up in its picture.
+    // The camera is rolled by 178 degrees.
     const Scene back = readGltf(folder / "o.glb");
     ASSERT_TRUE(back.camera);
     EXPECT_NEAR(back.camera->up.y, std::cos(178 * pi / 180), 1e-5);
@@ -203,7 +203,7 @@ TEST(RoundTrip, ImagesKeepTheirKind) {
 
 TEST(RoundTrip, ASecondSetOfTheSameIsLeftOut) {
     const Folder folder;
-    // Draco, for readers that know it; and tangents that nobody may use without normals.
+    // An optional Draco copy, and tangents, which mean nothing without normals.
     const std::string primitive =
         R"({"attributes":{"POSITION":0,"TANGENT":1},"mode":6,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}}})";
     const std::string tangents = std::string(kVec3) + R"(,{"bufferView":1,"componentType":5126,"type":"VEC4","count":4})";
@@ -255,11 +255,11 @@ TEST(RoundTrip, BakingAgainReplaces) {
             EXPECT_EQ(bake(folder / "o.glb", model, bits), once) << model;
             EXPECT_EQ(jsonOf(folder / "o.glb").dump(), first) << model;
         }
-        // From a model that stores more: its stream goes.
+        // Baked over a model that stores more: its stream is removed.
         bake(folder / "o.glb", "firm-4", 16);
         EXPECT_EQ(bake(folder / "o.glb", model, bits), once) << "from firm-4 to " << model;
     }
-    // An extension that nobody here knows may hold indices: the places of the others stay.
+    // An unknown extension may hold indices: accessors keep theirs.
     std::string unknown = gltf(squareWithNormals(), kView96, std::string(kVec3) + "," + kNormals, kBoth, R"({"mesh":0})",
                                R"(,"extensionsUsed":["VENDOR_thing"],"extensions":{"VENDOR_thing":{"accessor":1}})");
     bake(folder.write("b.gltf", unknown), "firm-4", 16);
@@ -276,7 +276,7 @@ TEST(RoundTrip, CompressedBytesGoOnceTheyAreDecoded) {
     const std::string path = (dataFolder() / "gltf/Duck_meshopt_quantized_vp12.glb").string();
     const Scene scene = readGltf(path);
     writeAsset(folder / "o.glb", scene, closedEverywhere(scene), {});
-    // Each vertex: 8 bytes of position, 4 of texture coordinates, 12 of normals made unit, 4 of ours; indices of 2 bytes.
+    // Bytes per vertex: 8 of position, 4 of texture coordinates, 12 of normals as floats, 4 of visibility; 2 per index.
     size_t views = 0;
     const Json out = jsonOf(folder / "o.glb");
     for (const Json& view : out["bufferViews"]) views += view["byteLength"].get<size_t>();
@@ -308,7 +308,7 @@ TEST(RoundTrip, AMeshOfAnotherSceneKeepsItsOwn) {
 
 TEST(RoundTrip, PrimitivesWithoutNormalsAreFlat) {
     const Folder folder;
-    // A cube of 8 vertices, with a byte of a colour and a morph target for each, and a vertex that no face uses.
+    // A cube of 8 vertices with a colour in bytes and a morph target, and one more vertex that no face uses.
     std::vector<float> data;
     for (int i = 0; i < 8; ++i) data.insert(data.end(), {float(i & 1), float(i >> 1 & 1), float(i >> 2)});
     data.insert(data.end(), {9, 9, 9});
@@ -349,7 +349,7 @@ TEST(RoundTrip, PrimitivesWithoutNormalsAreFlat) {
     EXPECT_EQ(corners["max"].dump(), "[1.0,1.0,1.0]");
     EXPECT_EQ(corners["name"], "corners");
     EXPECT_EQ(back.document->json["accessors"].size(), 6u) << "the replaced accessors are gone";
-    // As a cube of 24 vertices with normals of their own is: what .obj files give.
+    // The same visibility as that of a cube of 24 vertices with normals, which an .obj file gives.
     const Scene obj = loadScene(folder.write("cube.obj",
                                              "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nf 1 3 4 2\nf 5 6 8 "
                                              "7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"));

@@ -1,4 +1,4 @@
-// Scenes from files: what the readers take, and what they refuse.
+// Scenes from files: what the readers accept and what they refuse.
 #include "bake/fit/bake.h"
 #include "bake/scene/load.h"
 #include "runtime/asset/asset.h"
@@ -22,7 +22,7 @@ double areaOf(const Scene& scene) {
     return sum;
 }
 
-// A turn or a reflection after a stretch along three axes that are at right angles.
+// A rotation or reflection after a stretch along three orthogonal axes: rotationPart removes the stretch.
 TEST(RotationPart, IsWhatStretchingLeaves) {
     Random random(1);
     const auto axes = [&] {
@@ -51,7 +51,7 @@ TEST(RotationPart, OfAFlatTransformIsNone) {
 TEST(Gltf, StripsAndFansKeepTheirWinding) {
     const Folder folder;
     for (int mode : {5, 6}) {
-        // A square as a fan 0 1 2 3, and as a strip in the order of a Z.
+        // A square as the fan 0 1 2 3, and as a strip in Z order.
         std::vector<float> data = kSquare;
         if (mode == 5) data = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
         const Scene scene = readGltf(
@@ -65,7 +65,7 @@ TEST(Gltf, StripsAndFansKeepTheirWinding) {
 
 TEST(Gltf, InterleavedSparseAndTransformed) {
     const Folder folder;
-    // Positions and normals interleaved (stride 24), vertex 2 moved by a sparse accessor to (3, 3, 0).
+    // Positions and normals are interleaved (stride 24); a sparse accessor moves vertex 2 to (3, 3, 0).
     std::vector<float> data;
     for (int i = 0; i < 4; ++i) {
         data.insert(data.end(), kSquare.begin() + 3 * i, kSquare.begin() + 3 * i + 3);
@@ -84,7 +84,7 @@ TEST(Gltf, InterleavedSparseAndTransformed) {
     const Scene scene = readGltf(
         folder.write("a.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"NORMAL":1},"mode":6})", nodes)));
     EXPECT_EQ(scene.surfaces[0].positions[2], glm::vec3(3, 3, 0));
-    EXPECT_NEAR(scene.surfaces[0].normals[1].z, 1, 1e-6);  // made unit
+    EXPECT_NEAR(scene.surfaces[0].normals[1].z, 1, 1e-6);  // normalised
     const Box box = worldBounds(scene);
     EXPECT_NEAR(box.low.x, 10, 1e-5);
     EXPECT_NEAR(box.high.x, 16, 1e-5);
@@ -176,7 +176,7 @@ TEST(Asset, KeepsContentAndGivesEachInstanceItsOwn) {
 
 TEST(Asset, HoldsDirectionsInTheFrameOfThePrimitive) {
     const Folder folder;
-    // A node that turns x to y: what is seen along world y is stored along x.
+    // The node turns x to y: a direction along y in the world is stored along x.
     const std::string nodes = R"({"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[3,3,3]})";
     const Scene scene = readGltf(folder.write("a.gltf", gltf(kSquare, kView, kVec3, R"({"attributes":{"POSITION":0},"mode":6})", nodes)));
     const float area = 2, length = area * (1 - area / float(4 * pi));
@@ -208,7 +208,7 @@ TEST(Asset, TruncatedOrWithoutVisibilityIsRefused) {
 
 TEST(Asset, RefusesWhatIsNoVisibilityOrNoBuffer) {
     const Folder folder;
-    // _VISIBILITY as floats: only normalised bytes and shorts are the asset's.
+    // _VISIBILITY as floats is refused: an asset has normalised bytes or shorts.
     std::vector<float> data = kSquare;
     data.resize(28);
     const std::string views = std::string(kView) + R"(,{"buffer":0,"byteOffset":48,"byteLength":64})";
@@ -216,7 +216,7 @@ TEST(Asset, RefusesWhatIsNoVisibilityOrNoBuffer) {
     EXPECT_THROW(
         readAsset(folder.write("f.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"_VISIBILITY":1},"mode":6})"))),
         Error);
-    // A view that nothing uses, into a buffer that is not there.
+    // An unused view of a buffer that does not exist.
     EXPECT_THROW(readGltf(folder.write("b.gltf", gltf(kSquare, std::string(kView) + R"(,{"buffer":100000000,"byteLength":4})", kVec3,
                                                       R"({"attributes":{"POSITION":0},"mode":6})"))),
                  Error);
@@ -279,7 +279,7 @@ TEST(MeshFile, CountsAsInTheIndex) {
 
 TEST(MeshFile, NormalsAreMadeAndSplitAtEdges) {
     const Folder folder;
-    // A cube of 8 shared vertices: 90 degree edges, so that each face gets its own normals.
+    // A cube of 8 shared vertices: its edges of 90 degrees are split, so that each face gets its own normals.
     const std::string obj =
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
         "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";

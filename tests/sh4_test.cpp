@@ -70,7 +70,7 @@ void holdsItsBounds(Packed (*pack)(const Visibility&), int bits) {
         direction = std::max(direction, double(length(back.direction / back.area - v.direction / v.area)));
     }
     EXPECT_LE(area, bound.area + 1e-7);
-    EXPECT_GE(area, 0.9 * bound.area);  // the bound is not idle
+    EXPECT_GE(area, 0.9 * bound.area);  // the bound is tight
     EXPECT_LE(direction, bound.direction);
     EXPECT_GE(direction, 0.7 * bound.direction);
 }

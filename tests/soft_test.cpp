@@ -34,7 +34,7 @@ TEST(SoftSolve, HasTheIntegralsItWasAskedFor) {
     Random random(21);
     for (int trial = 0; trial < 12; ++trial) {
         const double area = 2 * pi * random(0.02, 0.98), psi = random(0, pi), rho = random(0, 0.95);
-        const double reach = rho * area / 2 * (1 - area / (2 * pi));  // inside the boundary, which is 1 or more
+        const double reach = rho * area / 2 * (1 - area / (2 * pi));  // inside HardBoundary, which is at least 1
         const SoftSolution s = solveSoft({area, area / 2 + reach * std::cos(psi), reach * std::sin(psi)});
         const Integrals i = overHemisphere({0, 0, 1}, {s.t, 0, s.n}, s.offset);
         EXPECT_NEAR(i.area, area, 2e-4);
@@ -44,14 +44,14 @@ TEST(SoftSolve, HasTheIntegralsItWasAskedFor) {
 }
 
 TEST(SoftSolve, BoundaryIsWhereHardHalfSpacesLie) {
-    // Straight up and straight down it is 1 by its unit; half of the hemisphere on one side, lying: D = pi/2 (n + t).
+    // Straight up and straight down it is 1, its unit. For half of the hemisphere on one side D = pi/2 (n + t).
     EXPECT_NEAR(HardBoundary(1.0)(0), 1, 1e-6);
     EXPECT_NEAR(HardBoundary(1.0)(pi), 1, 1e-6);
     EXPECT_NEAR(HardBoundary(pi)(pi / 2), 2, 1e-3);
 }
 
 TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
-    // Over what scenes hold: visibility at receivers of the built-in scenes, lights of all sizes.
+    // Visibility at receivers of the built-in scenes, lights of all sizes.
     Random random(23);
     double sum = 0;
     int count = 0;
@@ -92,8 +92,8 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
     EXPECT_LE(rms, 0.003);
 }
 
-// What is drawn is softer than what is solved for, and its numbers stay in bounds: openings and blockers that the horizon
-// does not cut keep their area, down to a radius of 2 degrees. Slope and offset scaled alike would make that one of 5.
+// The lobe that is drawn is softened to keep its numbers in bounds. Openings and blockers that the horizon does not cut
+// still keep their area, down to a radius of 2 degrees. Scaling slope and offset alike would turn 2 degrees into 5.
 TEST(Soft, CapsAsSoftAsTheyAreDrawnKeepTheirArea) {
     const Model& soft = *findModel("soft");
     const vec3 n(0, 0, 1);
@@ -101,7 +101,7 @@ TEST(Soft, CapsAsSoftAsTheyAreDrawnKeepTheirArea) {
         for (const double open : {0.0006, 0.002, 0.01, 0.1, 0.9, 0.99, 0.998, 0.9994}) {
             const double area = 2 * pi * std::min(open, 1 - open);
             const vec3 direction = vec3(dvec3(std::sin(tilt), 0, std::cos(tilt)) * area * (1 - area / (4 * pi)));
-            // A cap or, over a half, what a cap leaves of the hemisphere.
+            // A cap; if more than half is open, the hemisphere without a cap.
             const Visibility v = open <= 0.5 ? Visibility{direction, float(area)}
                                              : Visibility{float(pi) * n - direction, float(2 * pi - area)};
             const vec4 lobe = toParams(soft, v, nullptr, n)[0];
@@ -115,9 +115,9 @@ TEST(Soft, CapsAsSoftAsTheyAreDrawnKeepTheirArea) {
 }
 
 TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
-    // The formula against brute force over the light's disc, for soft apertures of all kinds.
+    // Compares the formula with brute force over the light's disc, for soft apertures of all kinds.
     Random random(27);
-    double sum = 0, worst = 0, classSum[4]{};  // by the class of light that a renderer takes
+    double sum = 0, worst = 0, classSum[4]{};  // by the light class that a renderer uses
     int classCount[4]{};
     const int trials = 3000, rings = 24, turns = 48;
     const dvec3 n(0, 0, 1);
@@ -157,7 +157,7 @@ TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
     EXPECT_LE(worst, 0.10);
 }
 
-// Two lobes whose edges lie any way to each other, half of them nearly along or against one another.
+// Two lobes whose edges have random directions; in half of the trials they are nearly parallel or antiparallel.
 TEST(Lobes, LightThroughTwoIsTheIntegralOfTheirProduct) {
     Random random(61);
     const dvec3 n(0, 0, 1);
@@ -200,7 +200,7 @@ TEST(Lobes, TheSameTwiceIsOne) {
     Random random(62);
     for (int i = 0; i < 1000; ++i) {
         Receiver receiver{vec3(0, 0, 1), vec4(0, 0, float(pi), float(2 * pi)), {}};
-        const float sharp = float(random(150, 240));  // soft ones are not the same twice
+        const float sharp = float(random(150, 240));  // for soft steps the square of one is not the step itself
         for (int k = 0; k < 4; ++k) receiver.params[k] = vec4(sharp * vec3(0, 1, 0), 0.0f);
         receiver.params[4] = vec4(0);
         const double r = random(5, 10) * pi / 180;
@@ -208,7 +208,7 @@ TEST(Lobes, TheSameTwiceIsOne) {
         const int lightClass = lightClassOf(light.sinRadius);
         Receiver two = receiver, three = receiver, one = receiver;
         two.params[2] = three.params[3] = vec4(0);
-        one.params[1] = vec4(0, 0, 0, 1000);  // everything is open to the other
+        one.params[1] = vec4(0, 0, 0, 1000);  // the other lobe is fully open
         one.params[2] = vec4(0);
         const double single = irradianceThrough(MODEL_FIRM_2, one, light, lightClass) / light.area;
         EXPECT_NEAR(irradianceThrough(MODEL_FIRM_2, two, light, lightClass) / light.area, single, 0.02);

@@ -1,4 +1,4 @@
-// Where methods break: singular configurations, hostile numbers, every packed value, and the scenes' own steps.
+// Where models break: singular configurations, hostile numbers, every packed value, and lights that cross the scenes.
 #include "bake/measure/fuzz.h"
 
 #include <cstdlib>
@@ -14,8 +14,8 @@
 namespace apertura::test {
 namespace {
 
-// APERTURA_EXHAUSTIVE=1 in the environment runs what takes hours: 1e9 inputs here, 1e7 on the device, and all values of
-// 32 bits. A smaller number is that share of the inputs.
+// APERTURA_EXHAUSTIVE=1 in the environment runs for hours: 1e9 inputs on this processor, 1e7 on the device, and all values
+// of 32 bits. A smaller number runs that fraction of the inputs.
 double exhaustive() {
     const char* const share = std::getenv("APERTURA_EXHAUSTIVE");
     return share ? std::atof(share) : 0;
@@ -83,7 +83,7 @@ TEST(Stability, AperturesKeepToTheExactOverlapInEverySweep) {
     const FitTools tools(256);
     double oat = 0;
     for (const Sweep& sweep : singularSweeps()) {
-        if (sweep.name == "axis of no length") continue;  // it is the normal in the end
+        if (sweep.name == "axis of no length") continue;  // at length 0 the normal replaces the axis
         for (const Model& model : models()) {
             const bool apertures = model.id == MODEL_APERTURE || model.id == MODEL_ALPHA || model.id == MODEL_ANTI;
             if (!apertures && model.id != MODEL_OAT) continue;
@@ -98,12 +98,12 @@ TEST(Stability, AperturesKeepToTheExactOverlapInEverySweep) {
             EXPECT_LE(row.step, 1.3 * row.exactStep + 0.01) << row.model << ", " << row.sweep;
         }
     }
-    EXPECT_GT(oat, 0.7);  // the sun across the horizon
+    EXPECT_GT(oat, 0.7);  // reached as the sun crosses the horizon
 }
 
 TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
-    // Of the published formula and what may step a little further: how edges of caps meet is known nearly, of three and
-    // four from their pairs; three lobes are as sharp as their error asks for.
+    // Models that may step a little further than stepBound: the overlap of two caps' edges is approximate, and that of three
+    // and four follows from their pairs; firm-3 is as sharp as gives the least error.
     const std::map<std::string, double> beyond{
         {"multi-2", 1.04}, {"cap-anti", 1.05}, {"firm-3", 1.04}, {"multi-3", 1.2}, {"multi-4", 1.25}};
     std::vector<const Model*> asked;
@@ -124,14 +124,14 @@ TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
 
 TEST(Stability, BytesKeepToTheBoundsOfAxisAndRadius) {
     for (const int bits : {8, 16}) {
-        double axis = 0, radius = 0;  // the largest share of the bound
+        double axis = 0, radius = 0;  // the largest error as a fraction of the bound
         for (const DecodeError& e : decodeErrors(bits)) {
             EXPECT_LE(e.axis, e.axisBound * 1.0001 + 1e-4) << bits << " bits, open " << e.open << ", capness " << e.capness;
             EXPECT_LE(e.radius, e.radiusBound) << bits << " bits, open " << e.open;
             if (e.axisBound < 80) axis = std::max(axis, e.axis / e.axisBound);
             radius = std::max(radius, e.radius / e.radiusBound);
         }
-        EXPECT_GT(axis, 0.6);  // the bounds are not idle
+        EXPECT_GT(axis, 0.6);  // the bounds are tight
         EXPECT_GT(radius, 0.6);
     }
 }
@@ -144,12 +144,12 @@ TEST(Stability, WhatIsMixedStaysBetweenItsEndsForASun) {
             if (model.id == MODEL_OAT) oat = std::max(oat, e.above);
             if (model.baseline) continue;
             ++mixed;
-            if (e.lightRadius > 1) continue;  // in each direction the mix of two lies between them; their sum need not
+            if (e.lightRadius > 1) continue;  // the mix lies between the two in each direction; its mean over a larger light need not
             EXPECT_LE(e.below, 1e-4) << e.model << ", " << e.between;
             EXPECT_LE(e.above, 1e-4) << e.model << ", " << e.between;
         }
-    EXPECT_EQ(mixed, 8 * 4);  // soft alone: of all others the light is interpolated
-    EXPECT_GT(oat, 0.9);      // an opening that wanders from one end to the other
+    EXPECT_EQ(mixed, 8 * 4);  // 8 pairs, 4 radii; soft alone is interpolated by parameters
+    EXPECT_GT(oat, 0.9);      // its opening moves from one end to the other
 }
 
 TEST(Stability, EveryPackedValueIsPossible) {
@@ -162,7 +162,7 @@ TEST(Stability, EveryPackedValueIsPossible) {
         return v.area >= 0 && v.area <= float(2 * pi) && length <= v.area * (1 - v.area / float(4 * pi)) * 1.00001f + 1e-12f
             && std::isfinite(length);
     };
-    // All of D / A with one A, and some of it with all; or everything.
+    // All values of D / A with one A, and every 15th with all others; all values if exhaustive.
     for (int w = -128; w < 128; ++w) {
         const int step = exhaustive() >= 1 || w == 20 ? 1 : 15;
         for (int x = -128; x < 128; x += step)
@@ -171,7 +171,7 @@ TEST(Stability, EveryPackedValueIsPossible) {
                     ASSERT_TRUE(check({int8_t(x), int8_t(y), int8_t(z), int8_t(w)})) << x << " " << y << " " << z << " " << w;
     }
     EXPECT_GE(checked, uint64_t(1) << 24);
-    // What is lit with some of them.
+    // Light through random ones.
     Random random(55);
     for (int i = 0; i < 300000; ++i) {
         Packed8 bytes;

@@ -1,5 +1,5 @@
 #pragma once
-// What several tests share: random directions, brute force, and where things are.
+// Helpers of several tests: random directions, brute force, folders.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -29,7 +29,7 @@ struct Random {
     }
 };
 
-// `n` directions, each standing for 4 pi / n sr.
+// Fibonacci lattice: `n` unit directions over the sphere, 4 pi / n sr each.
 inline std::vector<glm::dvec3> sphereLattice(int n) {
     std::vector<glm::dvec3> out;
     for (int i = 0; i < n; ++i) {
@@ -46,19 +46,19 @@ inline Aperture capAperture(const glm::dvec3& axis, double radius) {
     return makeAperture(vec3(axis), float(2 * half * half));
 }
 
-// E / (pi sin^2 r) of a cap light, in float32, and exactly.
+// E / (L pi sin^2 r) of a cap light of unit radiance: from a float32 result, and exactly, through caps above the horizon.
 inline double normalised(float e, double radius) { return e / (pi * std::sin(radius) * std::sin(radius)); }
 inline double exactFraction(const glm::dvec3& normal, std::vector<ExactCap> caps, double lightRadius) {
     caps.push_back({normal, pi / 2});
     return glm::dot(normal, vectorIrradiance(caps)) / (pi * std::sin(lightRadius) * std::sin(lightRadius));
 }
 
-// The folder of real scenes beside the checkout, or nothing.
+// The folder of real scenes beside the checkout. It may not exist: see NEEDS_DATA.
 inline std::filesystem::path dataFolder() { return std::filesystem::path(APERTURA_SOURCE) / ".." / "shared" / "data"; }
 #define NEEDS_DATA() \
     if (!std::filesystem::exists(apertura::test::dataFolder())) GTEST_SKIP() << "the real scenes of ../shared/data are not here"
 
-// A folder of the test's own, removed with it.
+// A temporary folder, removed by the destructor.
 struct Folder {
     std::filesystem::path path;
     Folder() {

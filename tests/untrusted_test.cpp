@@ -1,4 +1,4 @@
-// What a file that somebody sent may make the readers do: nothing but say so in one line.
+// Damaged and hostile files make the readers do nothing but report it in one line.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What refuses a .gltf of this text; empty where nothing does.
+// The error for a .gltf file of this text; empty if it is read.
 std::string refusal(const Folder& folder, const std::string& text) {
     const std::string path = folder.write("in.gltf", text);
     try {
@@ -68,7 +68,7 @@ TEST(Untrusted, EmptyDocumentsAndAccessorsAreNoCrash) {
               std::string::npos);
 }
 
-// A folder with a secret beside it, and a file of a pipe, a link and a folder in it.
+// A folder with a secret beside it; it contains a pipe, links and another folder.
 struct Trap {
     Folder outer;
     fs::path home = outer.path / "home";
@@ -115,7 +115,7 @@ TEST(Untrusted, UrisStayInTheFilesOwnFolder) {
             EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60)) << "waits for a pipe: " << uri;
         }
     }
-    // What is not there is not followed either: a link behind a folder that is missing.
+    // A link behind a folder that does not exist is not followed either.
     for (const std::string& text : {buffer("nothing/../leads-out.bin"), image("nothing/../leads-out.bin")}) {
         const std::string said = trap.refusal(text);
         if (!said.empty()) {
@@ -154,7 +154,8 @@ TEST(Untrusted, AMissingImageIsSaidAndKept) {
 
 TEST(Untrusted, FallbackBuffersAreNotAllocated) {
     const Folder folder;
-    // Four of 256 MiB, as gltfpack leaves them for readers without the extension; one view of them has no compression.
+    // Four fallback buffers of 256 MiB, as gltfpack writes them for readers without the extension; then a view of one
+    // without compression.
     std::string buffers;
     for (int i = 0; i < 4; ++i) buffers += R"(,{"byteLength":268435456,"extensions":{"EXT_meshopt_compression":{"fallback":true}}})";
     const std::string text = replaced(square(), "}],\"bufferViews\"", "}" + buffers + "],\"bufferViews\"");
@@ -164,7 +165,7 @@ TEST(Untrusted, FallbackBuffersAreNotAllocated) {
     EXPECT_NE(
         refusal(folder, replaced(text, R"({"buffer":0,"byteLength":48})", R"({"buffer":1,"byteLength":48})")).find("outside its buffer"),
         std::string::npos);
-    // Compressed bytes that would be 256 MiB, were there as many as are promised.
+    // Views that claim to decode to 256 MiB, from too few compressed bytes.
     for (const char* mode : {"ATTRIBUTES", "TRIANGLES", "INDICES"}) {
         const std::string packed =
             std::string(
@@ -176,14 +177,14 @@ TEST(Untrusted, FallbackBuffersAreNotAllocated) {
 
 TEST(Untrusted, InstancesAreCountedBeforeTheyAreSpelledOut) {
     const Folder folder;
-    // 16 000 nodes of 65 536 instances, from zeros that take no bytes: a graph of 10^9.
+    // 16 000 nodes of 65 536 instances each, from zeros that take no bytes: 10^9 nodes.
     std::string nodes = "{\"children\":[1";
     for (int i = 2; i <= 16000; ++i) nodes += "," + std::to_string(i);
     nodes += "]}";
     for (int i = 1; i <= 16000; ++i) nodes += R"(,{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}})";
     const std::string zeros = R"(,{"componentType":5126,"type":"VEC3","count":65536})";
     EXPECT_NE(refusal(folder, gltf(kSquare, kView, kVec3 + zeros, kFan, nodes)).find("1048576000 instances would take"), std::string::npos);
-    // And positions of zeros, many more than the file has bytes.
+    // Positions of zeros, many more than the file has bytes.
     const std::string many =
         R"({"componentType":5126,"type":"VEC3","count":2000000000,"sparse":{"count":1,"indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":0}}})";
     EXPECT_NE(refusal(folder, gltf(kSquare, kView, many, kFan)).find("more than a file of its size can mean"), std::string::npos);
@@ -194,7 +195,7 @@ TEST(Untrusted, InstancesAreAsManyAsEachOfTheirAttributesHas) {
     const std::string counts = std::string(kVec3) + R"(,{"componentType":5126,"type":"VEC4","count":0})";
     const std::string node = R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"ROTATION":1,"TRANSLATION":0}}}})";
     EXPECT_NE(refusal(folder, gltf(kSquare, kView, counts, kFan, node)).find("differ in length"), std::string::npos);
-    // Weights and a number of the application's own go with each.
+    // Each instance keeps the weights and the application's own number.
     const std::string own =
         R"({"mesh":0,"weights":[0.5],"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0,"_ID":1}}}})";
     const std::string ids = std::string(kVec3) + R"(,{"bufferView":0,"componentType":5121,"type":"SCALAR","count":4})";
@@ -218,7 +219,7 @@ TEST(Untrusted, OneFileOfManyNamesIsReadOnce) {
 
 TEST(Untrusted, WhatIsRepeatedIsBounded) {
     const Folder folder;
-    // Many primitives of one accessor of zeros; many instances of a mesh with much to say.
+    // Many primitives of one accessor of zeros; many instances of a mesh with much JSON.
     std::string primitives = kFan;
     const std::string zeros = R"({"componentType":5126,"type":"VEC3","count":65536})";
     for (int i = 0; i < 1000; ++i) primitives += std::string(",") + kFan;
@@ -255,7 +256,7 @@ TEST(Untrusted, AMorphTargetHasAnElementAVertex) {
 
 TEST(Untrusted, FlatAndTinyInstancesAreTraced) {
     const Folder folder;
-    // Of one mesh: as it is, squashed flat and turned, and a speck.
+    // Two instances of one mesh: unchanged, and turned with a singular or extreme scale.
     for (const char* scale : {"[1,1,0]", "[1,1e-9,1]", "[1e-20,1e-20,1e-20]", "[0,0,0]", "[1e-12,1e12,1]"}) {
         const std::string nodes = std::string(R"({"children":[1,2]},{"mesh":0},{"mesh":0,"rotation":[0.5,0.5,0.1,0.7],"scale":)") + scale
                                 + "}";
@@ -294,7 +295,7 @@ TEST(Untrusted, WhatIsNotGltfTwoIsSaid) {
     for (const auto& c : cases)
         EXPECT_NE(refusal(folder, replaced(square(), c.from, c.to)).find(c.said), std::string::npos)
             << c.to << ": " << refusal(folder, replaced(square(), c.from, c.to));
-    // Indices that are floats, of the right shape.
+    // Indices of the right shape, but floats.
     const std::string floats = std::string(kVec3) + R"(,{"bufferView":0,"componentType":5126,"type":"SCALAR","count":3})";
     EXPECT_NE(refusal(folder, gltf(kSquare, kView, floats, R"({"attributes":{"POSITION":0},"indices":1})")).find("holds no indices"),
               std::string::npos);
@@ -302,7 +303,7 @@ TEST(Untrusted, WhatIsNotGltfTwoIsSaid) {
     EXPECT_EQ(refusal(folder, replaced(square(), R"("count":4)", R"("count":4.0)")), "");
 }
 
-// A TIFF of 2 x 2 texels of three bytes, without compression.
+// An uncompressed TIFF of 2 x 2 texels of three bytes.
 std::string tinyTiff(const std::string& texels) {
     std::string out("II*\0\x08\0\0\0", 8);
     auto put = [&](uint32_t value, int bytes) {
@@ -319,7 +320,7 @@ std::string tinyTiff(const std::string& texels) {
 
 TEST(Untrusted, TerrariumTilesAreNoTerrainRgb) {
     const Folder folder;
-    // Terrarium packs 100 m as (32768 + 100) / 256 and the rest; Terrain-RGB as (10000 + 100) * 10.
+    // For 100 m Terrarium packs 256 R + G + B / 256 = 32768 + 100; Terrain-RGB packs 65536 R + 256 G + B = (10000 + 100) * 10.
     std::string terrarium, mapbox;
     for (int i = 0; i < 4; ++i) {
         terrarium += std::string("\x80\x64\0", 3);
@@ -365,7 +366,7 @@ TEST(PendingFile, LeavesNothingAndClearsWhatAKilledRunLeft) {
         left = file.name();
         folder.write("other.apertura-00000000.glb", "not ours");
         EXPECT_EQ(folder.files(), 2u);
-        const PendingFile second(path);  // two runs at once, each with a name of its own
+        const PendingFile second(path);  // two runs at once have different temporary names
         EXPECT_TRUE(fs::exists(left)) << "the lock holds";
         EXPECT_NE(second.name(), left);
     }

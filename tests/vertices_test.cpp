@@ -1,5 +1,5 @@
-// Baking where rays go wrong: faces that coincide or have no area, vertices inside other geometry, normals and windings
-// that contradict each other, far from the origin, tiny and huge.
+// Baking of difficult geometry: faces that coincide or have no area, vertices inside other geometry, normals that contradict
+// windings, scenes far from the origin, tiny and huge ones.
 #include "bake/sampling/vertices.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -22,7 +22,7 @@ Scene sceneOf(std::vector<Surface> surfaces, const glm::mat4& transform = glm::m
 struct Baked {
     BakedVisibility visibility;
     MeshIssues issues;
-    std::vector<double> open(size_t instance = 0) const {  // shares of the hemisphere
+    std::vector<double> open(size_t instance = 0) const {  // visible fraction of the hemisphere, per vertex
         std::vector<double> out;
         for (const Visibility& v : visibility[instance].visibility) out.push_back(v.area / (2 * pi));
         return out;
@@ -41,7 +41,7 @@ Surface panel(const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v
     return surface;
 }
 
-// The inside of a cube of one-sided walls: 24 vertices, and a grid of more.
+// The inside of a cube of one-sided walls, in cells of about `cell`.
 Surface room(double cell) {
     Surface surface;
     const glm::dvec3 x(2, 0, 0), y(0, 2, 0), z(0, 0, 2);
@@ -70,7 +70,7 @@ TEST(Vertices, SealedRoomIsDarkAndBallIsOpenAtEverySizeAndPlace) {
                     ASSERT_EQ(open, 0) << "light leaks in: " << size << " m at " << place.x;
                 for (const double open : bake(sceneOf({ball}, transform)).open())
                     ASSERT_NEAR(open, 1, 1e-6) << "it hits itself: " << size << " m at " << place.x;
-                // Instanced: the rays go into frames of the surfaces' own.
+                // With two instances rays are transformed into the surfaces' frames.
                 Scene two = sceneOf({ball}, transform);
                 two.instances.push_back({0, glm::translate(glm::mat4(1), glm::vec3(float(size * 40), 0, 0)) * transform});
                 for (const double open : bake(two).open())
@@ -87,12 +87,12 @@ TEST(Vertices, BumpySurfaceIsTheSameAtEverySizeAndPlace) {
         for (const glm::vec3& place : {glm::vec3(0), glm::vec3(1e6f, 2e6f, -1e6f)}) {
             const auto open = bake(sceneOf({blob()}, glm::scale(glm::translate(glm::mat4(1), place), glm::vec3(float(size))))).open();
             for (size_t i = 0; i < open.size(); ++i)
-                ASSERT_NEAR(open[i], expected[i], 3.5 / 256) << size << " m at " << place.x;  // rays that graze
+                ASSERT_NEAR(open[i], expected[i], 3.5 / 256) << size << " m at " << place.x;  // a few grazing rays may differ
         }
 }
 
 TEST(Vertices, CloseUpOfAHugeSceneIsNotLiftedOffIt) {
-    // A step of 1 mm on a ground of 100 km: rays that started a part of the ground's size above it would not see it.
+    // A step of 1 mm on a plane of 100 km: rays that start above it by a fraction of its size would miss the step.
     Surface ground = panel({-5e4, 0, 5e4}, {1e5, 0, 0}, {0, 0, -1e5}, 1e5);
     const Surface wall = panel({0, 0, -0.05}, {0, 0.001, 0}, {0, 0, 0.1}, 0.001),
                   floor = panel({0, 0, 0.05}, {0.1, 0, 0}, {0, 0, -0.1}, 0.01);
@@ -108,7 +108,7 @@ TEST(Vertices, CloseUpOfAHugeSceneIsNotLiftedOffIt) {
 }
 
 TEST(Vertices, DoubledAndCoplanarFacesBlockNothing) {
-    // Turned, so that coordinates are rounded and the planes agree within that alone.
+    // The planes are turned, so that their coordinates agree only within rounding.
     const glm::dvec3 x(kTurned[0]), z(kTurned[2]);
     const Surface back = panel(-5.0 * x + 5.0 * z, -10.0 * z, 10.0 * x, 1);  // the other way round
     const Scene scene = sceneOf({panel(-5.0 * x + 5.0 * z, 10.0 * x, -10.0 * z, 1), panel(-5.0 * x + 5.0 * z, 10.0 * x, -10.0 * z, 1),
@@ -133,7 +133,7 @@ TEST(Vertices, TrianglesOfNoAreaAreCountedAndBlockNothing) {
 }
 
 TEST(Vertices, GroundUnderABoxIsNotBlackAroundIt) {
-    // A coarse ground whose vertices lie inside the box, and triangles reach out of it.
+    // A coarse ground: some vertices lie inside the box, and their triangles reach out of it.
     Surface box;
     addBox(box, {-1.4, 0, -1.4}, {1.4, 1, 1.4}, 0.1);
     const Scene scene = sceneOf({panel({-6, 0, 6}, {12, 0, 0}, {0, 0, -12}, 1), box});
@@ -168,7 +168,7 @@ TEST(Vertices, WallsSeeNothingFromBelowTheGroundTheyStandOn) {
 }
 
 TEST(Vertices, LargeTrianglesAreCounted) {
-    // Squares of a fifteenth and a thirtieth of the panel: their diagonals are a fifteenth and a thirtieth of its own.
+    // Squares of 1/15 and 1/30 of the panel: so are their diagonals relative to its own.
     for (const auto& [cell, large] : {std::pair(1.0, 2u * 15 * 15), std::pair(0.5, 0u)}) {
         const Baked baked = bake(sceneOf({panel({0, 0, 15}, {15, 0, 0}, {0, 0, -15}, cell)}));
         EXPECT_EQ(baked.issues.large, large) << cell;
@@ -217,7 +217,7 @@ TEST(Vertices, SteepSheetsWithUprightNormalsAreNotInsideThemselves) {
         for (glm::vec3& n : sheet.normals) n = glm::vec3(0, 1, 0);
         const Baked baked = bake(sceneOf({sheet}));
         EXPECT_EQ(baked.issues.moved + baked.issues.insideSolids + baked.issues.normalsBehind, 0u) << slope;
-        const double expected = 1 - std::atan(slope) / pi;  // what rises of the sheet is a lune of the hemisphere
+        const double expected = 1 - std::atan(slope) / pi;  // the rising half of the sheet blocks a lune of the hemisphere
         for (const double open : baked.open()) {
             EXPECT_GE(open, expected - 0.03) << slope;
             EXPECT_LE(open, 1.0001) << slope;
@@ -226,7 +226,7 @@ TEST(Vertices, SteepSheetsWithUprightNormalsAreNotInsideThemselves) {
 }
 
 TEST(Vertices, AGroundUnderAWallOfTwoSheetsKeepsToItsSide) {
-    // Its triangles cross the wall; a vertex 0.1 m from it looks out on its own side.
+    // The ground's triangles cross the wall; a vertex 0.1 m from it sees the sky on its own side.
     const Surface ground = panel({-6, 0, 6}, {12, 0, 0}, {0, 0, -12}, 1);
     Surface wall = panel({0.1, 0, -30}, {0, 30, 0}, {0, 0, 60}, 60);
     const auto n = uint32_t(wall.positions.size());

@@ -11,7 +11,7 @@
 namespace apertura {
 namespace {
 
-constexpr double kNearlyAll = 0.95;  // of the vertices that see no sky: that is worth a word
+constexpr double kNearlyAll = 0.95;  // fraction of vertices without sky from which a warning is printed
 
 struct Arguments {
     std::string scene, out, model = "sh";
@@ -24,8 +24,8 @@ struct Arguments {
 void run(const Arguments& a) {
     if (std::filesystem::path(a.out).extension() != ".glb") throw CLI::ValidationError("-o " + a.out + " does not end in .glb");
     refuseToReplaceInput(a.scene, a.out);
-    // What cannot be done is said now, not after the rays.
-    PendingFile(a.out);
+    // Fail now, and not after the rays are traced, if the output cannot be written.
+    requireWritable(a.out);
     BakeInfo info;
     info.scene = a.scene.starts_with("builtin:") ? a.scene : std::filesystem::path(a.scene).filename().string();
     requireStorable(info, a.scene);

@@ -29,19 +29,19 @@ struct Arguments {
     MeasureOptions measure;
 };
 
-// Radeons that Mesa's compiler states costs for: one of RDNA2 and one of GCN4.
+// Radeons to compile for with Mesa: one of RDNA2 and one of GCN4.
 const char* const kFamilies[] = {"navi21", "polaris10"};
 constexpr int kSizes[] = {LIGHTS_SUN, LIGHTS_SMALL, LIGHTS_MEDIUM, LIGHTS_ANY};
-constexpr double kMapRadius = 5;  // degrees, of the light that error maps show
+constexpr double kMapRadius = 5;  // degrees, light radius of the error maps
 
-// By model and class of lights, above what N.L alone costs there.
+// Costs by model and light class: cycles above those of N.L alone, and time.
 struct Costs {
     std::map<std::string, std::map<std::pair<int, int>, int>> cycles;  // by family
-    std::map<std::pair<int, int>, double> time;                        // as a multiple of N.L's
+    std::map<std::pair<int, int>, double> time;                        // as a multiple of that of N.L
     std::string device;
 };
 
-// N.L first; all models where none is asked for.
+// The cases to measure: N.L first, then the models asked for, or all if none is.
 std::vector<CostCase> casesOf(const std::vector<const Model*>& asked) {
     std::vector<CostCase> out;
     for (const Model& model : models())
@@ -50,7 +50,7 @@ std::vector<CostCase> casesOf(const std::vector<const Model*>& asked) {
     return out;
 }
 
-// The description of Mesa's driver for Radeons; empty where there is none.
+// Path of the JSON manifest of Mesa's driver for Radeons; empty if there is none.
 std::string radeonDriver() {
     for (const char* folder : {"/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"}) {
         std::error_code ignored;
@@ -60,7 +60,7 @@ std::string radeonDriver() {
     return {};
 }
 
-// In a process of its own: the driver looks for its orders in the environment, and there is no such device.
+// Compiles in a child process: Mesa takes the GPU to compile for, which need not exist, from the environment.
 std::vector<CompiledCost> costsOn(const char* family, const std::vector<CostCase>& cases) {
     const std::string driver = radeonDriver();
     if (driver.empty()) throw Error("Mesa's driver for Radeons (RADV) is not installed");
@@ -82,7 +82,7 @@ Costs measureCosts(const std::vector<CostCase>& cases) {
         for (const char* family : kFamilies) {
             const std::vector<CompiledCost> costs = costsOn(family, cases);
             for (size_t i = 0; i < cases.size(); ++i) {
-                const size_t base = i % std::size(kSizes);  // models()[0] is N.L alone
+                const size_t base = i % std::size(kSizes);  // the same class of casesOf's first model, N.L
                 out.cycles[family][{cases[i].model, cases[i].lightClass}] = costs[i].cycles - costs[base].cycles;
             }
         }
@@ -102,8 +102,8 @@ Costs measureCosts(const std::vector<CostCase>& cases) {
     return out;
 }
 
-// What a vertex costs the baker with each recipe, 256 rays and one thread, as a multiple of `sh`; and how many
-// points a second the fit alone makes.
+// Cost of a recipe, with 256 rays per vertex and one thread: baking time per vertex as a multiple of that of `sh`, and
+// points per second of the fit alone.
 struct BakeCost {
     double ratio, pointsPerSecond;
 };
@@ -137,7 +137,7 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
     return out;
 }
 
-// The recipe that a row's model was made by.
+// The name of the recipe of a row's model.
 std::string recipeOf(const MeasureRow& row) {
     const Recipe* own = findRecipe(row.model);
     if (own && own->source == row.source) return row.model;
@@ -175,7 +175,7 @@ std::string toCsv(const std::vector<Measurement>& all, const Costs& costs, const
     return out.str();
 }
 
-// Of each model the scene where it does worst: where its receivers lie, and their error.
+// CSV for the error maps: for each model the scene with its largest error, with the receivers' positions and errors.
 std::string toMaps(const std::vector<Measurement>& all) {
     std::map<std::pair<std::string, std::string>, std::pair<const Measurement*, const MeasureRow*>> worst;
     for (const Measurement& m : all)
@@ -211,7 +211,7 @@ void run(Arguments a) {
     std::filesystem::create_directories(a.out, failed);
     if (failed || !std::filesystem::is_directory(a.out)) throw Error(a.out + ": is not a folder, and cannot be made one");
     const std::string csv = a.out + "/models.csv", maps = a.out + "/maps.csv", about = a.out + "/about.json";
-    PendingFile(csv.c_str());  // says now that it cannot be written
+    requireWritable(csv);
 
     const Costs costs = measureCosts(casesOf(a.measure.models));
     std::vector<Measurement> all;

@@ -18,7 +18,7 @@ struct Arguments {
     MeasureOptions measure;
 };
 
-// 4 as 4, not as 4.0.
+// Writes whole numbers without decimals: 4, not 4.0.
 nlohmann::ordered_json wholeOrReal(double x) {
     if (x == std::floor(x)) return int(x);
     return x;
@@ -53,7 +53,7 @@ nlohmann::ordered_json toJson(const Measurement& m) {
     return out;
 }
 
-// One line a model and source, one column a light radius.
+// Prints one line per model and source, one column per light radius.
 void print(const Measurement& m, const std::vector<double>& radii) {
     std::printf("%s: %s\n", m.scene.c_str(),
                 m.paths.empty() ? "the whole error, interpolated from the asset's bytes" : "each model's own error, at the receivers");
@@ -98,7 +98,7 @@ void run(Arguments a) {
     }
     dropRepeats(a.measure.lightRadii);
     refuseToReplaceInput(a.scene, a.json);
-    if (!a.json.empty()) PendingFile(a.json);  // says now that it cannot be written
+    if (!a.json.empty()) requireWritable(a.json);
     Measurement result;
     {
         ProgressBar bar("comparing");

@@ -12,8 +12,7 @@
 namespace apertura {
 namespace {
 
-// What `auto` chose: the share of the vertices that each model has, and of those where none reached the
-// tolerance.
+// The choices of `auto`: the fraction of vertices with each model, and of those where none came within the tolerance.
 nlohmann::ordered_json describeChoices(const Asset& asset) {
     std::vector<size_t> counts(models().size());
     size_t vertices = 0, unreached = 0;

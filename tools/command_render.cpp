@@ -15,7 +15,7 @@ namespace apertura {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-// What the sun gives a surface that faces it, W/m2: with the sky's default a fair exposure as it stands.
+// Irradiance of a surface that faces the sun, W/m2. With View's default sky the picture needs no exposure control.
 constexpr double kSunIrradiance = 2.4;
 
 struct Arguments {
@@ -46,7 +46,7 @@ Camera parseCamera(const std::string& text, const Camera& fallback) {
 
 Light sun(const Arguments& a) {
     const double azimuth = a.azimuth * kDegree, elevation = a.elevation * kDegree, radius = a.radius * kDegree;
-    // From north (-Z) by east (+X).
+    // Azimuth from north (-Z) towards east (+X).
     const glm::vec3 direction(std::cos(elevation) * std::sin(azimuth), std::sin(elevation), -std::cos(elevation) * std::cos(azimuth));
     const double radiance = kSunIrradiance / (std::numbers::pi * std::sin(radius) * std::sin(radius));
     return directionalLight(direction, radius, glm::vec3(radiance * glm::dvec3(1, 0.93, 0.82)));
@@ -54,7 +54,7 @@ Light sun(const Arguments& a) {
 
 void run(const Arguments& a) {
     const Model* model = findModel(a.model);
-    const bool own = a.model.empty();  // the one that the asset stores
+    const bool own = a.model.empty();  // use the model that the asset stores
     if (!model && !own && a.model != "reference" && a.model != "shadow-map")
         throw CLI::ValidationError("--model: there is no model '" + a.model + "' (there are " + modelNames() + ", shadow-map, reference)");
     View view;
@@ -66,7 +66,7 @@ void run(const Arguments& a) {
     view.lights = {sun(a)};
     parseCamera(a.camera, {});
     refuseToReplaceInput(a.file, a.out);
-    PendingFile(a.out);  // says now that it cannot be written
+    requireWritable(a.out);
     Scene scene = loadScene(a.file, a.map);
     view.camera = parseCamera(a.camera, viewOf(scene));
     Picture picture;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -26,8 +27,8 @@ struct Arguments {
     uint32_t seed = 1;
 };
 
-const std::vector<double> kRadii{0.27, 1, 5, 15, 30};  // degrees, of the lights that cross the scenes
-const std::vector<double> kHalfRadii{0.27, 1, 5, 15};  // one of each class: what takes long is to compile them
+const std::vector<double> kRadii{0.27, 1, 5, 15, 30};  // degrees, lights that cross the scenes
+const std::vector<double> kHalfRadii{0.27, 1, 5, 15};  // one per light class: compiling takes the most time
 const char* const kHalfScenes[] = {"terrain", "room-1", "statue", "canyon"};
 
 struct ModelReport {
@@ -107,10 +108,9 @@ void print(const std::vector<ModelReport>& reports) {
     std::printf("%-11s %10s %8s   %6s %-52s %6s   %6s   %6s\n", "model", "not finite", "outside", "error", "in the sweep", "step", "scenes",
                 "half");
     for (const ModelReport& r : reports)
-        std::printf("%-11s %10llu %8llu   %6.3f %-52s %6.2f   %6.2f   %6s%s\n", std::string(r.model->name).c_str(),
-                    static_cast<unsigned long long>(r.here.notFinite + r.onDevice.notFinite),
-                    static_cast<unsigned long long>(r.here.outside + r.onDevice.outside), r.error, r.errorIn.c_str(), r.step, r.sceneStep,
-                    r.half < 0 ? "" : std::to_string(r.half).substr(0, 6).c_str(), r.model->baseline ? "   baseline" : "");
+        std::printf("%-11s %10" PRIu64 " %8" PRIu64 "   %6.3f %-52s %6.2f   %6.2f   %6s%s\n", std::string(r.model->name).c_str(),
+                    r.here.notFinite + r.onDevice.notFinite, r.here.outside + r.onDevice.outside, r.error, r.errorIn.c_str(), r.step,
+                    r.sceneStep, r.half < 0 ? "" : std::to_string(r.half).substr(0, 6).c_str(), r.model->baseline ? "   baseline" : "");
     std::printf(
         "error: the largest, in shares of the smaller of light and opening, from the model's own exact integral (of a baseline: from the\n"
         "opening). step: the largest, in a sweep, as a multiple of the exact one. scenes: of a light that crosses the sky of the built-in\n"
@@ -128,7 +128,7 @@ void run(const Arguments& a) {
     std::filesystem::create_directories(a.out, failed);
     if (failed || !std::filesystem::is_directory(a.out)) throw Error(a.out + ": is not a folder, and cannot be made one");
     const std::string sweeps = a.out + "/sweeps.csv";
-    PendingFile(sweeps.c_str());  // says now that it cannot be written
+    requireWritable(sweeps);
 
     std::optional<Gpu> gpu;
     FrameEvaluator device, half;
@@ -187,7 +187,7 @@ void run(const Arguments& a) {
             }
             show(0.5 + 0.3 * double(m + 1) / double(asked.size()));
         }
-        const std::vector<std::string> scenes = builtinNames();
+        const std::vector<std::string>& scenes = builtinNames();
         for (size_t s = 0; s < scenes.size(); ++s) {
             for (const SceneSteps& step : measureSceneSteps(makeBuiltin(scenes[s]), asked, a.receivers, 256, a.seed, kRadii, {})) {
                 steps.push_back(step);

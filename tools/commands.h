@@ -1,5 +1,5 @@
 #pragma once
-// The verbs of the command line. Each adds its options to the program and says what to run.
+// The verbs of the command line. Each function adds a verb with its options and the callback that runs it.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
@@ -16,32 +16,33 @@ void addCompareCommand(CLI::App& program);
 void addChartCommand(CLI::App& program);
 void addStabilityCommand(CLI::App& program);
 
-// --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes.
+// Adds --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes. `options` must outlive `command`.
 void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);
 
-// Keeps the first of equal numbers.
+// Removes repeated numbers and keeps the first of each.
 void dropRepeats(std::vector<double>& numbers);
 
-// The names of all visibility models, with commas.
+// The names of all visibility models, separated by commas.
 std::string modelNames();
 
-// The numbers of "1,2.5,3"; none where anything else stands there.
+// The finite numbers of a text such as "1,2.5,3"; empty if it is anything else.
 std::vector<double> parseNumbers(const std::string& text, char separator);
 
-// As CLI::Range, but not for NaN, which no comparison excludes there.
+// Accepts low .. high, as CLI::Range does, but not NaN, which that lets through.
 CLI::Validator finiteRange(double low, double high);
 
-// Runs a script of tools/ over the tables in a folder, with the Python that has matplotlib. Throws Error naming the
-// folder and `otherwise` where it fails; it says itself what it lacks.
+// Runs a Python script of tools/ that draws charts of the tables in a folder.
+//   script     file name; it reports itself if a package is missing
+//   otherwise  added to the Error, which also names the folder, that this throws if the script fails
 void drawCharts(const char* script, const std::string& folder, const std::string& otherwise);
 
-// Text of a file, in one line and with nothing that a terminal takes for a command.
+// Text from a file in one line, without the characters that control a terminal.
 std::string printable(std::string text);
 
-// Throws CLI::ValidationError where writing `out` would replace `in`.
+// Throws CLI::ValidationError if writing `out` would replace `in`.
 void refuseToReplaceInput(const std::string& in, const std::string& out);
 
-// "2.5" or "2.5x3": two positive numbers. Throws CLI::ValidationError.
+// Parses "2.5x3", or "2.5" for two equal numbers. Throws CLI::ValidationError unless they are above 0.
 void parsePair(const std::string& text, double& first, double& second);
 
 }  // namespace apertura

@@ -17,9 +17,9 @@ int fail(int code, const std::string& message) {
     return code;
 }
 
-// What was printed is lost where it cannot be written, and that is a failure too.
+// Standard output that could not be written is a failure too.
 int finish(int code) {
-    std::cout.flush();  // of CLI11's help
+    std::cout.flush();  // CLI11 prints help there
     if (std::fflush(stdout) == 0 && !std::ferror(stdout) && std::cout) return code;
     return code == 0 ? fail(1, std::string("standard output: cannot be written: ") + std::strerror(errno)) : code;
 }
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
     apertura::addChartCommand(program);
     apertura::addStabilityCommand(program);
     apertura::catchInterrupts();
-    std::signal(SIGXFSZ, SIG_IGN);  // a file too large is an error like others
+    std::signal(SIGXFSZ, SIG_IGN);  // too large a file is then an error of write()
     const auto verbs = program.get_subcommands([](const CLI::App*) { return true; });
     if (argc > 1 && argv[1][0] != '-'
         && std::none_of(verbs.begin(), verbs.end(), [&](const CLI::App* verb) { return verb->get_name() == argv[1]; }))

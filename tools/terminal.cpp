@@ -10,7 +10,7 @@
 namespace apertura {
 namespace {
 
-volatile std::sig_atomic_t stopAsked = 0;  // all that a signal handler may touch
+volatile std::sig_atomic_t stopAsked = 0;  // the only type that a signal handler may write
 
 }  // namespace
 

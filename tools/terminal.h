@@ -6,12 +6,12 @@
 
 namespace apertura {
 
-// From now on the first Ctrl-C or SIGTERM sets a flag; a second one ends the program at once.
+// After catchInterrupts the first Ctrl-C or SIGTERM sets the flag that interrupted() returns; a second one ends the program.
 void catchInterrupts();
 bool interrupted();
 
-// A bar with the time left, on standard error, where that is a terminal; otherwise silent. Cleared when it
-// goes out of scope. As a Progress it returns false once the user has asked to stop.
+// A progress bar with the time left, on standard error if that is a terminal; otherwise silent. The destructor clears it.
+// callback() returns a Progress that stops the work once interrupted() is true; the bar must outlive it.
 class ProgressBar {
 public:
     explicit ProgressBar(std::string label);

@@ -215,6 +215,7 @@ std::vector<Cluster> clusters(const Samples& samples, bool complement, int count
         settle(2);
     }
     std::vector<Cluster> out;
+    out.reserve(centre.size());
     for (const glm::vec3& c : centre) out.push_back({c, 0, glm::mat3(0)});
     for (size_t i = 0; i < at.size(); ++i) {
         Cluster& c = out[size_t(owner[i])];

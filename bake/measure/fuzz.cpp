@@ -61,7 +61,7 @@ FuzzInput fuzzInput(const Model& model, uint32_t seed, uint64_t index) {
 }
 
 FuzzCount countFuzz(const Model& model, uint32_t seed, uint64_t inputs, const FrameEvaluator& device) {
-    const uint64_t batch = device ? 1 << 18 : 1 << 14;  // the device is set up for each
+    const uint64_t batch = device ? 1 << 18 : 1 << 14;  // each batch sets the device up anew
     const uint64_t batches = (inputs + batch - 1) / batch;
     std::vector<FuzzCount> counts(batches);
     auto judge = [](FuzzCount& count, float e, const FuzzInput& input) {

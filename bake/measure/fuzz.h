@@ -1,23 +1,26 @@
 #pragma once
-// Models fed with what no asset should hold.
+// Evaluates models on inputs that no asset should hold.
 #include "bake/measure/stability.h"
 
 namespace apertura {
 
-// Inputs of a model, many of them on purpose at the edge: axes of no length or of a wrong one, opposite or equal to
-// each other, areas of nothing, of a hemisphere and beyond, numbers at the ends of what bytes hold, parameters mixed of
-// two; lights of any size. Evaluation `index` of a stream that `seed` begins.
+// One evaluation of a model. Many are edge cases on purpose: axes with zero or wrong length, opposite or equal axes, areas
+// of zero, of a hemisphere and beyond, numbers at the ends of a byte's range, mixed parameters of two points, lights of
+// any size.
 struct FuzzInput {
     Receiver receiver;
-    vec4 light;  // axis, sine of the radius
-    bool sound;  // normal and light are unit: the result has to be between nothing and the unblocked light's
+    vec4 light;  // axis and sine of the radius, as Evaluation::light
+    bool sound;  // normal and light are unit: the result must lie between 0 and the unblocked light's
 };
+// Number `index` of the stream that `seed` starts.
 FuzzInput fuzzInput(const Model& model, uint32_t seed, uint64_t index);
 
+//   notFinite  results that are NaN or Inf
+//   outside    results of sound inputs below 0, or above 1.006 times the unblocked light's and kAboveOne
 struct FuzzCount {
     uint64_t inputs = 0, notFinite = 0, outside = 0;
 };
-// On this processor, all its cores; and on the device, where there is one.
+// Evaluates `inputs` inputs with `device`, or, without one, on all cores of this processor.
 FuzzCount countFuzz(const Model& model, uint32_t seed, uint64_t inputs, const FrameEvaluator& device = nullptr);
 
 }  // namespace apertura

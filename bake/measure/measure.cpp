@@ -19,10 +19,10 @@ namespace apertura {
 namespace {
 
 using std::numbers::pi;
-constexpr double kLeakCosine = 0.1;  // of a light to the normal, from which on what it leaks counts
-constexpr double kPathRadius = 5;    // degrees, of the light that PathRow speaks of
+constexpr double kLeakCosine = 0.1;  // leaks count for lights whose cosine to the normal is above this
+constexpr double kPathRadius = 5;    // degrees, light radius of PathRow::irradianceRms
 
-// E / (L pi sin^2 r) as the model has it.
+// The model's E / (L pi sin^2 r).
 float modelValue(int model, const Receiver& receiver, const CapLight& light) {
     return irradianceThrough(model, receiver, light, lightClassOf(light.sinRadius)) / light.area;
 }
@@ -30,8 +30,15 @@ float modelValue(int model, const Receiver& receiver, const CapLight& light) {
 // The receivers of a scene, their lights, and the truth for each radius.
 struct LitReceivers {
     std::vector<SurfaceSample> points;
-    std::vector<std::vector<glm::vec3>> lights;                // a receiver
+    std::vector<std::vector<glm::vec3>> lights;                // [receiver][light]
     std::vector<std::vector<std::vector<TruthSample>>> truth;  // [receiver][radius][light]
+
+    std::vector<SurfacePoint> surfacePoints() const {
+        std::vector<SurfacePoint> out;
+        out.reserve(points.size());
+        for (const SurfaceSample& p : points) out.push_back(p.at);
+        return out;
+    }
 };
 
 LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options,
@@ -59,7 +66,8 @@ LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region,
     return lit;
 }
 
-// One model at every receiver. Of models whose parameters may not be mixed a receiver has three corners, weighed.
+// One model at every receiver, as weighted Receivers: one if the model's parameters may be interpolated, else three, those
+// of the triangle's corners.
 struct ModelReceivers {
     const Model* model;
     std::string source;
@@ -123,10 +131,10 @@ bool asked(const MeasureOptions& options, const Model& model) {
     return options.models.empty() || std::find(options.models.begin(), options.models.end(), &model) != options.models.end();
 }
 
-// The models that a recipe's points are measured as: its own, or those that are made from the four numbers.
+// The models that a recipe's points are measured with: the recipe's own, or all that are derived from the four numbers.
 std::vector<const Model*> modelsOf(const Recipe& recipe, const MeasureOptions& options) {
     std::vector<const Model*> out;
-    if (recipe.source == "transfer") return out;  // measured by where it leads: see comparePaths
+    if (recipe.source == "transfer") return out;  // comparePaths measures it
     for (const Model& model : models()) {
         const bool own = recipe.model >= 0 ? model.id == recipe.model
                        : recipe.only >= 0  ? model.id == recipe.only
@@ -136,10 +144,10 @@ std::vector<const Model*> modelsOf(const Recipe& recipe, const MeasureOptions& o
     return out;
 }
 
-// Numbers that stand beside the four.
+// Count of numbers stored beside the four.
 int storedAt(const Model& model, const Recipe& recipe) { return recipe.model >= 0 ? storedNumbers(model) : 0; }
 
-// The mean of what the models that `auto` chose read.
+// Mean count of numbers that the models chosen by `auto` read.
 double chosenNumbers(const Asset& asset) {
     double sum = 0, count = 0;
     for (const SeenByInstance& seen : asset.seen)
@@ -166,7 +174,7 @@ PathRow comparePath(const LitReceivers& lit, const std::string& stage, const std
         const double radius = (double(capRadius(b.height)) - capRadius(a.height)) * 180 / pi;
         row.radiusRms += radius * radius;
         row.radiusMax = std::max(row.radiusMax, std::abs(radius));
-        if (a.height > 1e-4f) {  // a closed point has no direction to lose
+        if (a.height > 1e-4f) {  // a closed point has no direction
             const double angle = 2 * std::asin(std::min(0.5 * glm::length(glm::dvec3(a.axis) - glm::dvec3(b.axis)), 1.0)) * 180 / pi;
             row.directionRms += angle * angle;
             row.directionMax = std::max(row.directionMax, angle);
@@ -187,7 +195,7 @@ PathRow comparePath(const LitReceivers& lit, const std::string& stage, const std
 
 float throughByte(float value, float top) { return std::round(std::clamp(value / top, -1.0f, 1.0f) * 127) / 127 * top; }
 
-// The four coefficients themselves as bytes, each over its possible range.
+// Rounds each of the four coefficients to a byte over its possible range.
 Visibility shThroughBytes(const Visibility& v) {
     const Sh4 largest = toSh4({glm::vec3(float(pi)), float(2 * pi)});
     Sh4 sh = toSh4(v);
@@ -195,7 +203,7 @@ Visibility shThroughBytes(const Visibility& v) {
     return toVisibility(sh);
 }
 
-// An aperture's axis and radius as bytes.
+// Rounds an aperture's axis and radius to bytes.
 Receiver apertureThroughBytes(Receiver receiver) {
     Aperture a = apertureOf(receiver);
     for (int i = 0; i < 3; ++i) a.axis[i] = throughByte(a.axis[i], 1);
@@ -215,6 +223,7 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
         comparePath(lit, "cosine-weighted transfer, converted, instead of visibility", "sh", reference, receiversFrom(lit, transfer)));
     auto through = [&](auto&& change) {
         std::vector<Visibility> changed;
+        changed.reserve(sh.size());
         for (const Visibility& v : sh) changed.push_back(change(v));
         return receiversFrom(lit, changed);
     };
@@ -222,10 +231,11 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
     out.push_back(comparePath(lit, "the asset's 8 bytes", "sh", reference, through([](const Visibility& v) { return unpack(pack16(v)); })));
     out.push_back(comparePath(lit, "4 bytes of raw coefficients", "sh", reference, through(shThroughBytes)));
     std::vector<Receiver> packed;
+    packed.reserve(reference.size());
     for (const Receiver& r : reference) packed.push_back(apertureThroughBytes(r));
     out.push_back(comparePath(lit, "4 bytes of axis and radius", "rays", reference, packed));
 
-    // The corners of each receiver's triangle, seen with its own normal; then mixed.
+    // Visibility at the corners of each receiver's triangle, with the receiver's own normal; to be interpolated.
     std::vector<SurfacePoint> corners;
     for (const SurfaceSample& p : lit.points)
         for (const glm::dvec3& corner : cornersOf(scene, p.instance, p.triangle))
@@ -267,8 +277,7 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(scene, part(progress, 0, 0));
     const LitReceivers lit = traceLitReceivers(scene, measuredRegion(scene.name, scene), tracer, options, part(progress, 0, 0.6));
-    std::vector<SurfacePoint> points;
-    for (const SurfaceSample& p : lit.points) points.push_back(p.at);
+    const std::vector<SurfacePoint> points = lit.surfacePoints();
     const RayOcclusion occlusion(tracer);
     BakeOptions bake;
     bake.rays = options.rays;
@@ -314,7 +323,7 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
             }
             if (model->id == MODEL_AUTO) {
                 made.numbers = chosen / double(points.size());
-                made.bytes = 5 + bytes / double(points.size());  // the four, which it is, and its own
+                made.bytes = 5 + bytes / double(points.size());  // four, one for the choice, and the chosen model's own
                 out.unreached = missed / double(points.size());
             } else if (recipe.model >= 0 && model->fromVisibility) {
                 made.numbers = storedNumbers(*model);
@@ -332,8 +341,7 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
     const Tracer tracer(asset.scene, part(progress, 0, 0));
     const LitReceivers lit = traceLitReceivers(asset.scene, measuredRegion(asset.info.scene, asset.scene), tracer, options,
                                                part(progress, 0, 0.9));
-    std::vector<SurfacePoint> points;
-    for (const SurfaceSample& p : lit.points) points.push_back(p.at);
+    const std::vector<SurfacePoint> points = lit.surfacePoints();
     BakeOptions bake;
     bake.rays = options.rays;
     bake.seed = options.seed;
@@ -349,7 +357,7 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
         const bool stored = own == &model;
         if ((!stored && !model.fromVisibility) || !asked(options, model)) continue;
         const Recipe* recipe = findRecipe(asset.info.model);
-        // Models that are stored leave the four numbers what they are; `auto` may store those of a fit.
+        // A stored model leaves the four numbers as they were baked; only `auto` may replace them with fitted ones.
         const bool own4 = recipe && (stored || recipe->model < 0 || recipe->model == MODEL_AUTO);
         ModelReceivers made{&model, std::string(own4 ? recipe->source : "sh"), double(model.numbers), bytesAPoint(asset), {}};
         if (stored && model.id == MODEL_AUTO) made.numbers = chosenNumbers(asset);

@@ -1,5 +1,5 @@
 #pragma once
-// The error of the visibility models against ray-traced truth.
+// Errors of the visibility models relative to ray-traced truth.
 #include <string>
 #include <vector>
 
@@ -10,56 +10,57 @@
 namespace apertura {
 
 struct MeasureOptions {
-    std::vector<const Model*> models;                    // all where empty
+    std::vector<const Model*> models;                    // empty: all
     std::vector<double> lightRadii{0.27, 1, 5, 15, 30};  // degrees, above 0, at most 45
     int receivers = 600;
-    int rays = 4096;         // a receiver, for the models made at the receivers
-    int lightSamples = 256;  // rays a light and receiver, for the truth
+    int rays = 4096;         // per receiver, to compute the models from
+    int lightSamples = 256;  // rays per light and receiver, for the truth
     uint32_t seed = 1;
-    double tolerance = 0.05;  // of `auto`
-    int threads = 0;
+    double tolerance = 0.05;  // RMSE that `auto` keeps within
+    int threads = 0;          // 0: one per core
 };
 
-// Errors of E / (L pi sin^2 r) over all receivers and lights.
+// Errors of one model for lights of one radius, over all receivers and lights: model less truth, both E / (L pi sin^2 r).
 struct MeasureRow {
     std::string model;
-    std::string source;      // sh, rays or fit
-    double numbers = 0;      // a point that the light's formula reads; of `auto`, their mean
-    double bytes = 0;        // a point in an asset of 8 bits: the four numbers and what is stored beside them
+    std::string source;      // the model is computed from: sh, rays or fit
+    double numbers = 0;      // per point, that the light's formula reads; for `auto` the mean
+    double bytes = 0;        // per point of an asset: the four numbers and what is stored beside them; 8 bits each from measureScene
     double lightRadius = 0;  // degrees
     double rmse = 0, bias = 0, max = 0;
-    double rmsTruth = 0;  // of the truth itself
-    double noise = 0;     // of the truth's own sampling, as an rmse
-    double ambient = 0;   // rmse of the irradiance from an even sky, over pi
-    // Light that the model lets through where truth is blocked throughout, of lights 6 degrees and more above the surface: the largest,
-    // and what one in a hundred exceeds. 0 where there are none.
+    double rmsTruth = 0;  // RMS of the truth itself
+    double noise = 0;     // RMS of the truth's own sampling error
+    double ambient = 0;   // RMSE of the irradiance from a uniform sky, over pi
+    // Light that the model lets through where the truth is 0, for lights with a cosine to the normal over 0.1 (6 degrees
+    // above the surface): the maximum and the 99th percentile. 0 if there are no such lights.
     double leakMax = 0, leak99 = 0;
-    std::vector<float> receiverRmse;  // of each receiver alone
+    std::vector<float> receiverRmse;  // one per receiver
 };
 
-// How an aperture or the light through it changes on its way, against the one at the receiver.
+// How far an aperture, and the light through it, differ after one stage of storage from those at the receiver.
 struct PathRow {
-    std::string stage;                          // which step of the way
-    std::string source;                         // sh: four coefficients travel; rays: the aperture itself does
+    std::string stage;                          // quantisation, interpolation ...
+    std::string source;                         // sh: the four coefficients are stored; rays: the aperture itself
     double directionRms = 0, directionMax = 0;  // degrees between the axes
     double radiusRms = 0, radiusMax = 0;        // degrees
-    double irradianceRms = 0;                   // of `aperture`'s E / (L pi sin^2 r), light radius 5 degrees
+    double irradianceRms = 0;                   // of model `aperture`: E / (L pi sin^2 r), light radius 5 degrees
 };
 
 struct Measurement {
     std::string scene;
     int receivers = 0;
-    std::vector<glm::vec3> positions;  // of the receivers, metres
+    std::vector<glm::vec3> positions;  // of the receivers, world, metres
     std::vector<MeasureRow> rows;
-    double unreached = 0;  // the share of receivers where `auto` found no model within its tolerance
+    double unreached = 0;  // fraction of receivers where no model came within the tolerance of `auto`
     std::vector<PathRow> paths;
 };
 
-// Each model made at the receivers themselves, from coefficients and straight from the rays: the model's
-// own error; and where the two sources part. Throws Error, Cancelled.
+// The model's own error: each model is computed at the receivers themselves, from the coefficients and straight from rays.
+// `paths` says where the two differ. Throws Error naming the scene where the region has no area; Cancelled.
 Measurement measureScene(const Scene& scene, const MeasureOptions& options, const Progress& progress = {});
 
-// Each model interpolated from what the asset stores, as the renderer does: the whole error.
+// The whole error: each model is interpolated from what the asset stores, as the renderer does. `rays` then serves the
+// ambient truth alone; `unreached` stays 0 and `paths` empty. Throws as measureScene does.
 Measurement measureAsset(const Asset& asset, const MeasureOptions& options, const Progress& progress = {});
 
 }  // namespace apertura

@@ -50,14 +50,14 @@ private:
         return float(cosines * 2 * pi * cap.height / options_.lightRays) * vec3(light.radiance);
     }
 
-    // Metres along a ray (unit) to where it meets a sphere, or comes nearest to it.
+    // Metres along a unit ray to where it enters a sphere, or to its point nearest the sphere if it misses.
     static float distanceTo(const vec4& sphere, const glm::dvec3& origin, const glm::dvec3& ray) {
         const glm::dvec3 toCentre = glm::dvec3(sphere) - origin;
         const double along = glm::dot(toCentre, ray), aside = glm::dot(toCentre, toCentre) - along * along;
         return float(std::max(along - std::sqrt(std::max(double(sphere.w) * sphere.w - aside, 0.0)), 0.0));
     }
 
-    // The sky is everywhere but where a light stands in front of it.
+    // Irradiance from the sky, which the lights hide where they stand.
     glm::vec3 fromSky(const std::vector<CapLight>& caps, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample) {
         const glm::mat3 frame = frameFromZ(normal, 2 * pi * hashUnit(options_.seed, sample, 1));
         rays_.clear();
@@ -66,7 +66,7 @@ private:
         return float(openCosines(origin, normal, caps) * 2 * pi / options_.skyRays) * view_.sky;
     }
 
-    // The sum of the cosines of those rays_ that nothing blocks within their reach_, and that no cap of `skip` holds.
+    // Sum of the cosines to the normal of those rays_ that are unblocked over their reach_ and lie in no cap of `skip`.
     double openCosines(const glm::dvec3& origin, const glm::vec3& normal, const std::vector<CapLight>& skip) {
         blocked_.resize(rays_.size());
         tracer_.occluded(origin, rays_, reach_, blocked_.data());
@@ -83,7 +83,7 @@ private:
     const View& view_;
     const ReferenceOptions& options_;
     std::vector<glm::vec3> sky_, rays_;
-    std::vector<float> reach_;  // metres, of each ray
+    std::vector<float> reach_;  // metres, one per ray
     std::vector<uint8_t> blocked_;
 };
 

@@ -7,14 +7,14 @@
 namespace apertura {
 
 struct ReferenceOptions {
-    int lightRays = 8;  // to each light, a sample of the picture
-    int skyRays = 32;   // over the hemisphere, a sample
+    int lightRays = 8;  // to each light, per sample of the picture; there are 2 x 2 samples in a pixel
+    int skyRays = 32;   // over the hemisphere, per sample
     uint32_t seed = 1;
-    int threads = 0;
+    int threads = 0;  // 0: one per core
 };
 
-// The picture that the renderer approximates, ray traced: the same camera, lights, samples of a pixel and
-// vertex normals, so that the two can be subtracted. Throws Cancelled.
+// Ray traces the picture that the renderer approximates, in linear radiance. Camera, lights, samples of a pixel and vertex
+// normals are the renderer's, so that the two pictures can be subtracted. Throws Cancelled.
 Picture traceReference(const Tracer& tracer, const View& view, const ReferenceOptions& options, const Progress& progress = {});
 
 }  // namespace apertura

@@ -17,7 +17,7 @@ constexpr double kDegree = pi / 180;
 
 namespace {
 
-// The receivers of a scene as models have them, one after another: use(point, frame, model, receiver).
+// Computes every model at every receiver of a scene and calls use(point, frame, model, receiver) for each, from any thread.
 template <typename Use>
 void forReceivers(const Scene& scene, const std::vector<const Model*>& asked, int receivers, int rays, uint32_t seed,
                   const Progress& progress, Use&& use) {
@@ -41,7 +41,7 @@ void forReceivers(const Scene& scene, const std::vector<const Model*>& asked, in
                  });
 }
 
-// Calls use(light, first) for two arcs of lights of a radius, degrees, across the sky above `frame`, a step at a time.
+// Calls use(light, first) along two arcs across the sky above `frame`. `degrees`: radius of the light; `step`: radians.
 template <typename Use>
 void forArcs(const glm::mat3& frame, uint32_t seed, size_t index, double degrees, double step, Use&& use) {
     const double radius = degrees * kDegree;

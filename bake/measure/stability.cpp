@@ -16,7 +16,7 @@ namespace {
 using glm::dvec3;
 using std::numbers::pi;
 constexpr double kDegree = pi / 180;
-constexpr double kLeastShare = 1e-3;  // of the light, that an error is measured against
+constexpr double kLeastShare = 1e-3;  // of the whole light: the least that an error is relative to
 const dvec3 kUp(0, 0, 1);
 
 // E / (L pi sin^2 r) through the intersection of caps and the horizon.
@@ -53,7 +53,7 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
             return twoCapsIn(r).weight > 0.5f ? open - both : both;
         }
         case ModelKind::Union: {
-            double seen = 0;  // by inclusion and exclusion
+            double seen = 0;  // inclusion-exclusion
             for (int set = 1; set < 1 << model.parts; ++set) {
                 std::vector<ExactCap> caps{lit};
                 for (int k = 0; k < model.parts; ++k)
@@ -64,12 +64,12 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
         }
         default: break;
     }
-    // The model's own visibility in each direction of the light: its formula for one that is a point.
+    // Quadrature over directions in the light. The model's visibility in a direction is its formula for a point light.
     const double height = 2 * std::pow(std::sin(radius / 2), 2), s = std::sin(radius);
     static const std::vector<glm::vec3> unit = fibonacciCap(2000, 1);
     const dvec3 u(tangentTo(vec3(light))), v = glm::cross(light, u);
     double sum = 0;
-    for (const glm::vec3& p : unit) {  // even in height is even in area, of a smaller cap too
+    for (const glm::vec3& p : unit) {  // uniform in height is uniform in area, so a unit cap's points can be scaled to a smaller one
         const double down = height * (1 - double(p.z)), across = std::sqrt(down * (2 - down)), flat = std::hypot(double(p.x), double(p.y));
         const dvec3 w = (1 - down) * light + across * (double(p.x) * u + double(p.y) * v) / std::max(flat, 1e-12);
         if (glm::dot(n, w) <= 0) continue;
@@ -105,11 +105,11 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
             if (!model.baseline) seen = point.visibility;
         } else {
             params = toParams(model, v, nullptr, normal);
-            // What a bake sees of the opening lies above the horizon.
+            // A bake sees only the part of the opening above the horizon.
             if (!model.baseline && f.apertureRadius > 0)
                 seen.direction = vec3(vectorIrradiance(std::array{ExactCap{f.aperture, f.apertureRadius}, ExactCap{kUp, pi / 2}}));
         }
-        // As mixing leaves it; models that are not mixed have axes from a decoder, which makes them unit.
+        // Interpolation changes the length of axes. Models that are not interpolated get unit axes from their decoder.
         if (model.mixes && f.axisLength != 1)
             for (int k = 0; k < 2; ++k) params[k] = vec4(vec3(params[k]) * float(f.axisLength), params[k].w);
         const Receiver receiver = toReceiver(seen, params, normal);

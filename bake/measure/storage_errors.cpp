@@ -21,7 +21,7 @@ DecodeError worstOf(int bits, double open, double capness) {
     const double area = 2 * pi * open, offAxis = capness * (1 - area / (4 * pi));  // |D / A|
     DecodeError out{
         bits, open, capness, 0, std::asin(std::min(bound.direction / std::max(offAxis, 1e-9), 1.0)) / kDegree, 0, bound.radius / kDegree};
-    for (int i = 0; i <= 400; ++i) {  // areas about it: what one rounds to is chance
+    for (int i = 0; i <= 400; ++i) {  // areas nearby: the rounding error of a single one is chance
         const double near = std::min(open * (0.9 + 0.2 * i / 400), 1.0);
         const Visibility v{{}, float(2 * pi * near)};
         const Visibility back = bits == 8 ? unpack(pack8(v)) : unpack(pack16(v));
@@ -31,7 +31,7 @@ DecodeError worstOf(int bits, double open, double capness) {
         const Visibility v{float(area * offAxis) * w, float(area)};
         const Visibility back = bits == 8 ? unpack(pack8(v)) : unpack(pack16(v));
         const double length = glm::length(dvec3(back.direction));
-        if (back.area <= 0) continue;  // closed: it has no axis
+        if (back.area <= 0) continue;  // closed: no axis
         const double cosine = length > 0 ? glm::dot(dvec3(back.direction), dvec3(w)) / length : 0;
         const double sine = length > 0 ? glm::length(glm::cross(dvec3(back.direction), dvec3(w))) / length : 1;
         out.axis = std::max(out.axis, std::atan2(sine, cosine) / kDegree);
@@ -39,7 +39,7 @@ DecodeError worstOf(int bits, double open, double capness) {
     return out;
 }
 
-// What a point sees: one cap, tilted towards +X by degrees and turned about the normal, of a radius in degrees.
+// A point sees one cap. All in degrees: tilt from the normal, turn about it from +X, radius.
 struct Seen {
     double tilt, turn, radius;
     Visibility visibility() const {

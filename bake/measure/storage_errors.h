@@ -1,5 +1,5 @@
 #pragma once
-// What visibility loses between the rays and a pixel: by its bytes, and by what is mixed between vertices or texels.
+// Errors of visibility between the rays and a pixel: of packing into bytes and of interpolation between vertices or texels.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,28 +8,29 @@
 
 namespace apertura {
 
-// The worst that bytes do to visibility of one kind, over many directions, and of the radius over areas within a tenth.
+// The largest packing error for one area and |D|: of the axis over 1500 directions, of the radius over areas within 10 %.
+// `...Bound`: what packingError promises.
 struct DecodeError {
-    int bits;          // a component, 8 or 16
+    int bits;          // per component, 8 or 16
     double open;       // A / 2 pi, 0..1
-    double capness;    // |D| over that of a cap of the same area, 0..1
-    double axis;       // degrees between the axes
-    double axisBound;  // degrees, of packingError
-    double radius;     // degrees, of the cap of the same area
+    double capness;    // |D| relative to a cap of the same area, 0..1
+    double axis;       // degrees between the axis before and after
+    double axisBound;  // degrees
+    double radius;     // degrees, for the cap of the same area
     double radiusBound;
 };
 std::vector<DecodeError> decodeErrors(int bits);
 
-// How far a model's light leaves what it is at the two ends of an edge, or the four texels of a coarser one, when what
-// the renderer mixes is mixed: E / (L pi sin^2 r), over lights from everywhere above the surface.
+// How far a model's light leaves the range between its values at the two ends of an edge when the renderer interpolates
+// its parameters: the maximum of E / (L pi sin^2 r) along the edge, over lights from everywhere above the surface.
 struct MixingError {
     std::string model;
-    std::string_view between;  // which two
+    std::string_view between;  // names the two ends
     double lightRadius;        // degrees
-    double below, above;       // darker than the darker end, brighter than the brighter one
-    double path;               // the largest distance from the straight way between the ends
+    double below, above;       // below the darker end, above the brighter one
+    double path;               // from the linear interpolation of the two values
 };
-// Models whose light is interpolated, not their numbers, do not leave it: empty.
+// Empty for stored models, and for models whose light is interpolated instead of their parameters: that cannot leave it.
 std::vector<MixingError> mixingErrors(const Model& model);
 
 }  // namespace apertura

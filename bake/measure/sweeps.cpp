@@ -35,7 +35,7 @@ Sweep makeSweep(std::string_view name, std::string_view what, int frames, Frame&
     return out;
 }
 
-// A light that crosses an aperture from beyond one edge to beyond the other.
+// A light that crosses an aperture from outside one edge to outside the other. Angles in radians.
 Sweep crossing(std::string_view name, std::string_view what, double aperture, double light, double tilt, int frames) {
     const double reach = aperture + 1.5 * light;
     return makeSweep(name, what, frames, [=](double t) {
@@ -46,7 +46,7 @@ Sweep crossing(std::string_view name, std::string_view what, double aperture, do
 
 }  // namespace
 
-// What shrinks to nothing ends at 3 seconds of arc: an axis in float32 holds no more.
+// Lights and apertures that shrink end at 3 seconds of arc, the resolution of an axis in float32.
 std::vector<Sweep> singularSweeps() {
     const double sun = 0.00465;
     std::vector<Sweep> out;

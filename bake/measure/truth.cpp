@@ -48,7 +48,7 @@ TruthSample traceLight(const Tracer& tracer, const SurfacePoint& receiver, const
     double sum[2]{};
     for (size_t i = 0; i < rays.size(); ++i)
         if (!blocked[i]) sum[i & 1] += std::max(glm::dot(rays[i], receiver.normal), 0.0f);
-    // The cap's 2 pi h sr over pi sin^2 r, a half having samples / 2 of them.
+    // The cap's solid angle 2 pi h over pi sin^2 r, for each half of samples / 2 rays.
     const double scale = 2 * height / (std::sin(radius) * std::sin(radius)) / (samples / 2.0);
     return {float(sum[0] * scale), float(sum[1] * scale)};
 }

@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// A stream of numbers in 0..1.
+// A seeded stream of random numbers in 0..1.
 struct Dice {
     uint32_t seed;
     uint64_t count = 0;
@@ -91,7 +91,7 @@ void room(BuiltinScene& out, int windows) {
     addPanel(ceiling, {-x, height, -z}, {width, 0, 0}, {0, 0, depth}, cell, windows >= 3 ? std::span(&sky, 1) : none);
     add(out, inside, true);
     add(out, ceiling, false);
-    // The ground outside, level with the floor: through a window it is not sky.
+    // The ground outside, level with the floor: windows show no sky below the horizon.
     Surface outside;
     const Rect house{20 - x, 20 - z, 20 + x, 20 + z};
     addPanel(outside, {-20, 0, 20}, {40, 0, 0}, {0, 0, -40}, 1, {&house, 1});

@@ -22,8 +22,8 @@ namespace {
 
 constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
 constexpr float kHighest = 100e3f;                 // metres; Olympus Mons rises 22 km
-constexpr double kMostTexelsAByte = 4096;          // four times what deflate makes of zeros
-constexpr double kBytesAVertex = 450;              // of a mesh of two triangles each: measured while baking
+constexpr double kMostTexelsAByte = 4096;          // four times what deflate reaches on zeros
+constexpr double kBytesAVertex = 450;              // of a mesh with two triangles per vertex; measured while baking
 constexpr int64_t kMostTexels = int64_t(1) << 26;  // 8192 squared; more would not fit into a .glb
 
 std::string oneLine(std::string cause) {
@@ -32,7 +32,8 @@ std::string oneLine(std::string cause) {
     return cause.empty() ? "damaged" : cause;
 }
 
-// GDAL writes NoData into TIFF as text in a tag of its own, 42113, which OpenImageIO does not read.
+// The height that stands for "no data"; NaN if there is none. GDAL writes it into TIFF as text in a tag of its own, 42113,
+// which OpenImageIO does not read.
 float noDataValue(const std::string& path) {
     TIFFSetWarningHandler(nullptr);
     TIFF* tiff = TIFFOpen(path.c_str(), "r");
@@ -47,7 +48,7 @@ float noDataValue(const std::string& path) {
     return value;
 }
 
-// One component as it stands in the file: integers are counts, not shares of their range.
+// One component as the file stores it: integers keep their value and are not scaled to 0..1.
 double component(const unsigned char* bytes, const OIIO::TypeDesc& type) {
     auto load = [bytes](auto value) {
         std::memcpy(&value, bytes, sizeof value);
@@ -71,7 +72,7 @@ double component(const unsigned char* bytes, const OIIO::TypeDesc& type) {
     }
 }
 
-// OpenImageIO's name of the format, by the first bytes of the file. Left to itself it tries every format that it knows.
+// OpenImageIO's name for the format, from the first bytes of the file. Without it OpenImageIO tries every format it knows.
 std::string formatOf(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     std::string head(4, '\0');
@@ -83,8 +84,8 @@ std::string formatOf(const std::string& path) {
     return "tiff";
 }
 
-// Throws Error where heights unpacked as Terrain-RGB are no planet's: Terrarium tiles, which pack them otherwise, come out
-// as mountains of 800 km.
+// Throws Error if a height is over 100 km: Terrarium tiles, which pack heights differently, come out as mountains of
+// 800 km when they are unpacked as Terrain-RGB.
 void requirePlausible(const std::vector<float>& heights) {
     for (const float h : heights)
         if (std::abs(h) > kHighest) {
@@ -124,7 +125,7 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
                     + " channels where a height map has one; where colours pack heights as Terrain-RGB does, give --terrain-rgb");
     if (channels > 16) throw Error("has too many channels");
 
-    // Row after row, of texels or of tiles.
+    // Reads one row of texels or of tiles at a time.
     const int rows = spec.tile_width > 0 ? std::clamp(spec.tile_height, 1, spec.height) : 1;
     std::vector<unsigned char> raw(size_t(spec.width) * channels * spec.format.size() * rows);
     HeightMap map{spec.width, spec.height, {}};

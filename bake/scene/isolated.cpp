@@ -16,17 +16,17 @@
 namespace apertura {
 namespace {
 
-// What a process that reads a file may take: about twice what OBJ, STL, PLY, PNG and TIFF of 1 kB to 225 MB took. What
-// it sends is held here a second time.
+// Limits of a process that reads a file: about twice what OBJ, STL, PLY, PNG and TIFF of 1 kB to 225 MB took. This process
+// holds a second copy of what it sends.
 constexpr double kSecondsAMebibyte = 2;
 constexpr double kBytes = 0x1p30, kBytesAByte = 64;
 
-// The first byte that comes says what follows.
+// Each piece starts with one byte that says what follows: values, or the text of an error.
 constexpr char kContent = '+', kFailure = '-';
-// How the child ends where it could not say why.
+// Exit code of a child that could not write to the pipe.
 constexpr int kBrokenPipe = 3;
 
-// The other process has ended.
+// Thrown when the pipe ends too early or claims more than it may send.
 struct Broken {};
 
 void writeAll(int to, const void* bytes, size_t size) {
@@ -46,7 +46,7 @@ void limitResources(const ResourceLimits& limits) {
     setrlimit(RLIMIT_CPU, &processor);
     const rlimit noDump{0, 0};
     setrlimit(RLIMIT_CORE, &noDump);
-#ifndef __SANITIZE_ADDRESS__  // whose shadow alone is terabytes of address space
+#ifndef __SANITIZE_ADDRESS__  // its shadow memory alone takes terabytes of address space
     size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
     const auto bytes = rlim_t(double(pages) * double(sysconf(_SC_PAGESIZE)) + limits.bytes);
@@ -68,7 +68,7 @@ void limitResources(const ResourceLimits& limits) {
     } catch (const std::bad_alloc&) {
         failure = "asks for more memory than a file of its size can need";
     } catch (const std::exception& e) {
-        // Libraries put their own bad_alloc into words.
+        // Libraries catch bad_alloc and throw an exception with its name in the text.
         failure = e.what();
         if (failure.find("bad_alloc") != std::string::npos) failure = "asks for more memory than a file of its size can need";
     }
@@ -81,7 +81,7 @@ void limitResources(const ResourceLimits& limits) {
 
 }  // namespace
 
-// The mark is written with every piece, so that nothing is announced before there is something to send.
+// The mark is written with every piece and not once at the start: an error may still come after some values.
 void PipeWriter::write(const void* bytes, size_t size) {
     writeAll(to_, &kContent, 1);
     writeAll(to_, bytes, size);

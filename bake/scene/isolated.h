@@ -6,7 +6,8 @@
 
 namespace apertura {
 
-// One end of the pipe between two processes; values go through as bytes, a count before each run of them.
+// The writing end of a pipe between two processes. T must be trivially copyable: each vector goes through as its length
+// and its bytes.
 class PipeWriter {
 public:
     explicit PipeWriter(int to) : to_(to) {}
@@ -22,6 +23,8 @@ private:
     int to_;
 };
 
+// The reading end. It takes vectors in the order and of the types that the writer put. `mostBytes`: the most that may
+// come in all; a vector that claims more is refused before memory is asked for.
 class PipeReader {
 public:
     PipeReader(int from, double mostBytes) : from_(from), left_(mostBytes) {}
@@ -39,17 +42,19 @@ private:
     double left_;  // bytes that may still come
 };
 
-// What a process may take on top of what it begins with.
+// Limits of a process, on top of what it uses when it starts.
 struct ResourceLimits {
     double seconds = 0;  // of processor time
-    double bytes = 0;    // of memory, and of what it may send
+    double bytes = 0;    // of memory, and the most that it may send
 };
 
-// As much as reading a file of its size can need, and at most half of the machine's memory. `seconds`: for a small one.
+// Limits for reading a file, by its size: `seconds` and 2 more per MiB; 1 GiB and 64 bytes per byte of the file, but at
+// most half of the machine's memory.
 ResourceLimits limitsFor(const std::string& path, double seconds);
 
-// The libraries that read foreign files crash and hang on damaged ones: here that is an Error that names `path`.
-// Runs `read` in a process of its own, silent on standard error, and `receive` on what it sends, in the same order.
+// Runs `read` in a child process and `receive`, in this one, on what `read` sends. The libraries that read foreign files
+// crash and hang on damaged ones: here that becomes an Error "PATH: cause", like an Error of `read` or `receive` and the
+// end of a limit. The child's standard error is silenced.
 void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& read,
                  const std::function<void(PipeReader&)>& receive);
 

@@ -8,36 +8,38 @@
 
 namespace apertura {
 
-// How a height map is read; all other files ignore it.
+// How a height map is read. Other files ignore it.
 struct HeightMapOptions {
-    double spacingX = 1, spacingZ = 1;  // metres between texels, east and south
-    double verticalScale = 1;           // metres a unit of height
-    bool terrainRgb = false;            // R, G, B hold -10000 + 0.1 (65536 R + 256 G + B) metres
+    double spacingX = 1, spacingZ = 1;  // metres between texels to the east and to the south, > 0
+    double verticalScale = 1;           // metres per unit of height, > 0
+    bool terrainRgb = false;            // the height is -10000 + 0.1 (65536 R + 256 G + B) metres
 };
 
-// `name` is a path (.glb .gltf .obj .ply .stl, or a height map .png .tif .tiff .exr) or builtin:NAME.
-// Throws Error naming it and the cause.
+// Reads a scene and checks it with validate().
+//   name     a path (.glb .gltf .obj .ply .stl, or a height map .png .tif .tiff .exr) or builtin:NAME
+//   options  for height maps alone
+// Throws Error that names `name` and the cause.
 Scene loadScene(const std::string& name, const HeightMapOptions& options = {});
 
-// Whether loadScene takes a path for a height map's, by its ending.
+// True if loadScene reads the path as a height map. Its ending decides, in upper or lower case.
 bool isHeightMap(const std::string& path);
 
-// The parts of loadScene.
+// loadScene calls one of these for each kind. They throw as it does.
 Scene loadMeshFile(const std::string& path);                                    // .obj .ply .stl, by assimp
 Scene loadHeightMap(const std::string& path, const HeightMapOptions& options);  // by OpenImageIO
-Scene makeBuiltin(const std::string& name);                                     // without builtin:, see builtinNames
+Scene makeBuiltin(const std::string& name);                                     // one of builtinNames
 
-// A built-in scene, and where its models are measured.
+// A built-in scene and where the models are measured in it.
 struct BuiltinScene {
     Scene scene;
-    std::vector<bool> receives;      // surfaces that have receivers
-    std::vector<Box> receiverBoxes;  // world, metres: receivers lie in these; everywhere when empty
-    bool skyAboveGround = true;      // lit from above the horizontal; or else from everywhere
+    std::vector<bool> receives;      // one per surface: does it have receivers
+    std::vector<Box> receiverBoxes;  // world, metres: receivers lie in any of these; empty: everywhere
+    bool skyAboveGround = true;      // lights lie above the horizontal; false: above each receiver
 };
-// That of "builtin:NAME", made anew; nothing where there is none of that name.
+// Generates the scene of the name "builtin:NAME"; nullopt if there is none.
 std::optional<BuiltinScene> findBuiltin(const std::string& name);
 
-// The nine procedural scenes of the charts, seeded: the same bytes everywhere.
+// The names of the nine procedural scenes of the charts. Their seeds are fixed: they are the same bytes everywhere.
 const std::vector<std::string>& builtinNames();
 
 }  // namespace apertura

@@ -22,7 +22,7 @@ void addNode(Instances& out, const aiNode* node, const aiMatrix4x4& parent) {
     for (unsigned i = 0; i < node->mNumChildren; ++i) addNode(out, node->mChildren[i], m);
 }
 
-// Only the file itself: an OBJ names material libraries, which may be anything and are not needed.
+// Lets assimp open the file itself and no other: an OBJ names material libraries, which can be any path and are not needed.
 class OneFile : public Assimp::DefaultIOSystem {
 public:
     explicit OneFile(std::string path) : path_(std::move(path)) {}
@@ -38,13 +38,13 @@ private:
 // Sends the instances, then the positions, normals and triangles of each surface.
 void read(const std::string& path, PipeWriter& pipe) {
     Assimp::Importer importer;
-    importer.SetIOHandler(new OneFile(path));  // which it deletes
-    // Vertices that face apart by more than this are split where the file has no normals of its own.
+    importer.SetIOHandler(new OneFile(path));  // the importer deletes it
+    // Degrees. If the file has no normals, vertices are split at edges that bend by more than this.
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 60.0f);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_TEXCOORDS | aiComponent_COLORS | aiComponent_TANGENTS_AND_BITANGENTS
                                                             | aiComponent_MATERIALS | aiComponent_TEXTURES);
-    // Positions are checked as the file has them, before a step could join or drop what is broken.
+    // Positions are checked before post-processing, which could merge or drop the broken ones.
     const aiScene* scene = importer.ReadFile(path, 0);
     auto fail = [&] {
         const std::string cause = importer.GetErrorString();

@@ -11,7 +11,7 @@ namespace {
 
 using glm::dvec3;
 
-// 0 .. length in steps of about `cell`, with every edge of the holes among them.
+// Divides 0 .. length into steps of about `cell`, such that each of `edges` (of holes) is one of the marks.
 std::vector<double> marks(double length, double cell, std::vector<double> edges) {
     edges.insert(edges.end(), {0.0, length});
     std::sort(edges.begin(), edges.end());

@@ -1,5 +1,6 @@
 #pragma once
-// Tessellated shapes and noise for the built-in scenes. Lengths in metres, +Y up, normals outwards.
+// Tessellated shapes and noise for the built-in scenes. Lengths in metres, +Y up, normals outwards. The add functions
+// append to a surface.
 #include <numbers>
 #include <span>
 
@@ -11,23 +12,29 @@ struct Rect {
     double u0, v0, u1, v1;
 };
 
-// A parallelogram from `corner` along u and v, its normal along cross(u, v), in cells of about `cell`.
-// `holes`, in metres along u and v, are left open, and edges run along theirs.
+// Adds a parallelogram with its normal along cross(u, v).
+//   corner, u, v  one corner and the two edges from it, metres
+//   cell          size of the quads, about, metres
+//   holes         openings, metres along u and v; mesh edges follow their outlines
 void addPanel(Surface& surface, const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v, double cell,
               std::span<const Rect> holes = {});
 
-// An axis-aligned box, open at the bottom if so wished.
+// Adds an axis-aligned box in quads of about `cell` metres; without its bottom if `bottom` is false.
 void addBox(Surface& surface, const glm::dvec3& low, const glm::dvec3& high, double cell, bool bottom = true);
 
-// A frustum about the vertical, without caps: radius `low` at the base and `high` at base.y + height.
+// Adds a frustum about the vertical, without caps.
+//   low, high   radii at `base` and at base.y + height, metres
+//   around, up  number of quads about the axis and along it
 void addFrustum(Surface& surface, const glm::dvec3& base, double low, double high, double height, int around, int up);
 
-// A sphere, or what `radius` makes of it: metres from the centre by unit direction. Normals are made.
+// Adds a closed surface that is star-shaped about `centre`; its normals are makeNormals'.
+//   around  number of quads about the vertical; half as many from pole to pole
+//   radius  function: metres from the centre along a unit direction; a constant gives a sphere
 template <typename Radius>
 void addBlob(Surface& surface, const glm::dvec3& centre, int around, Radius&& radius);
 
-// Gradient noise over the unit lattice, about -1..1, and `octaves` of it, each half as big and twice as
-// fine. After Perlin, "Improving noise", 2002, with hashed gradients.
+// Gradient noise over the unit lattice, about -1..1; and a sum of `octaves` of it, each with half the amplitude and twice
+// the frequency of the one before. After Perlin, "Improving noise", 2002, with hashed gradients.
 double noise(const glm::dvec3& p, uint32_t seed);
 double fractal(const glm::dvec3& p, int octaves, uint32_t seed);
 

@@ -15,9 +15,9 @@ namespace apertura {
 namespace {
 
 const char* const kAttribute = "_VISIBILITY";
-// Of JSON that instances repeat: to start with, and for each byte of the file.
+// Limit of JSON values that instances may repeat: a base, and more per byte of the file.
 constexpr double kFewValues = 0x1p20, kValuesAByte = 32;
-// Ways to make the four numbers, with nothing stored beside them.
+// Recipes that make the four numbers and store nothing beside them.
 const char* const kFromFour[] = {"sh", "rays", "sh-fit", "transfer"};
 
 template <typename T>
@@ -59,7 +59,7 @@ void addCamera(Json& json, const Camera& view) {
           {right.x, right.y, right.z, 0, up.x, up.y, up.z, 0, back.x, back.y, back.z, 0, view.eye.x, view.eye.y, view.eye.z, 1}}});
 }
 
-// Adds a scene that came without a document; sets the instances' places in it.
+// Adds a scene that has no document and sets the instances' `node` and `primitive`.
 void addScene(GltfWriter& writer, Scene& scene) {
     Json& json = writer.json();
     json["scene"] = 0;
@@ -97,7 +97,7 @@ Json describe(const BakeInfo& info) {
 
 const Json& describedIn(const Json& json) { return listOf(listOf(json["asset"], "extras"), "apertura"); }
 
-// Takes away what an earlier bake added.
+// Removes what an earlier bake added.
 void removeBaked(GltfWriter& writer) {
     Json& json = writer.json();
     std::set<size_t> accessors, views;
@@ -120,16 +120,17 @@ void removeBaked(GltfWriter& writer) {
     writer.release(accessors, views);
 }
 
-// The primitive with the surface's own vertices and normals, where they are not as the file has them.
+// Gives the primitive the surface's vertices and normals where these differ from the file's. Adds the accessors that are
+// no longer used to `replaced`.
 void replaceGeometry(GltfWriter& writer, const GltfDocument& document, const Surface& surface, Json& primitive,
                      std::set<size_t>& replaced) {
     if (!surface.splitFrom.empty()) {
-        // Without normals tangents mean nothing; with the new ones they would.
+        // The file's tangents had no meaning without normals; with the new normals readers would use them.
         if (primitive["attributes"].contains("TANGENT")) {
             replaced.insert(primitive["attributes"]["TANGENT"].get<size_t>());
             primitive["attributes"].erase("TANGENT");
         }
-        if (primitive.contains("extensions")) primitive["extensions"].erase("CESIUM_primitive_outline");  // of the old vertices
+        if (primitive.contains("extensions")) primitive["extensions"].erase("CESIUM_primitive_outline");  // indexes the old vertices
         auto gather = [&](Json& attributes) {
             for (Json& index : attributes) {
                 GatheredAccessor gathered = gatherAccessor(document, index.get<size_t>(), surface.splitFrom);
@@ -165,7 +166,7 @@ size_t addVisibility(GltfWriter& writer, const std::vector<Visibility>& points, 
         kArrayBuffer);
 }
 
-// Values in a piece of JSON: what a copy of it takes, about.
+// Approximate size of a copy of some JSON, in values.
 double valuesIn(const Json& json) {
     double sum = json.is_string() ? 1 + double(json.get_ref<const std::string&>().size()) / 16 : 1;
     if (json.is_structured())
@@ -173,12 +174,12 @@ double valuesIn(const Json& json) {
     return sum;
 }
 
-// Nodes that share a mesh see different skies, and nodes that the scene does not draw see none: each node that it draws
-// gets a mesh of its own, a copy of the first one's JSON. Accessors stay shared.
+// Gives each node that the scene draws a mesh of its own, a copy of the first one's JSON, since nodes that share a mesh see
+// different skies and nodes that are not drawn have none. Accessors stay shared.
 void separateMeshes(Json& json, const Scene& scene, const GltfDocument& document) {
     std::set<size_t> drawn;
     for (const Instance& instance : scene.instances) drawn.insert(size_t(instance.node));
-    std::set<size_t> taken;  // meshes
+    std::set<size_t> taken;  // meshes that have their node
     Json& nodes = json["nodes"];
     for (size_t n = 0; n < nodes.size(); ++n)
         if (nodes[n].contains("mesh") && !drawn.contains(n)) taken.insert(nodes[n]["mesh"].get<size_t>());
@@ -196,7 +197,7 @@ void separateMeshes(Json& json, const Scene& scene, const GltfDocument& document
     }
 }
 
-// The buffer view of each primitive's parameters, by mesh and primitive.
+// The buffer view of each primitive's parameters; the key is mesh and primitive.
 std::map<std::pair<size_t, size_t>, size_t> findStreams(const Json& described) {
     std::map<std::pair<size_t, size_t>, size_t> out;
     const Json& allParams = listOf(described, "forms");
@@ -210,7 +211,7 @@ std::map<std::pair<size_t, size_t>, size_t> findStreams(const Json& described) {
     return out;
 }
 
-// Of a primitive whose vertices were split: what those that they came from see.
+// Visibility of split vertices: that of the vertices that they came from.
 SeenByInstance pick(const SeenByInstance& seen, const std::vector<uint32_t>& from) {
     SeenByInstance out;
     for (const uint32_t i : from) {
@@ -267,7 +268,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
 
     const Model* stored = storedModel(info);
     Json allParams = Json::array();
-    std::map<int, Json> geometry;  // surface -> its primitive, where that is not as in the file
+    std::map<int, Json> geometry;  // by surface: its primitive, if that differs from the file's
     std::set<size_t> replaced;     // accessors
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
@@ -355,7 +356,7 @@ Asset toAsset(Scene scene) {
                 throw Error(cause.starts_with(scene.name) ? cause : where + ": " + cause);
             }
         }
-        // A file whose normals somebody took away: what its vertices see holds for each part of them.
+        // Normals were removed from the baked file, and reading it split vertices: all parts of a vertex see the same.
         if (!surface.splitFrom.empty()) seen = pick(seen, surface.splitFrom);
     }
     asset.scene = std::move(scene);

@@ -1,5 +1,5 @@
 #pragma once
-// The asset: a glTF 2.0 file whose vertices carry visibility (sh/packing.h) as `_VISIBILITY`.
+// The asset: a glTF 2.0 file whose vertices carry visibility (sh/packing.h) in the attribute `_VISIBILITY`.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,26 +9,26 @@
 
 namespace apertura {
 
-// How the visibility was baked; stands in the file as asset.extras.apertura.
+// How the visibility was baked. The file holds it as asset.extras.apertura.
 struct BakeInfo {
     std::string version;
-    std::string scene;         // what it was baked from: a file's name without its folder, or builtin:NAME
+    std::string scene;         // source: a file's name without its folder, or builtin:NAME
     std::string model = "sh";  // the recipe (bake/fit/fit.h): sh, rays, sh-fit, or the stored model's name
-    double tolerance = 0;      // of the model "auto", 0 for others
-    int rays = 256;            // a vertex
-    int bits = 8;              // a component
+    double tolerance = 0;      // RMSE that "auto" kept within; 0 for other models
+    int rays = 256;            // per vertex
+    int bits = 8;              // per component, 8 or 16
     uint32_t seed = 1;
-    double maxDistance = 0;  // metres, 0 for no limit
-    double rayOffset = 0;    // metres that rays start above the surface, at most
+    double maxDistance = 0;  // metres beyond which nothing blocks; 0: no limit
+    double rayOffset = 0;    // the most metres that rays start above the surface
     std::string hemisphere = "vertex normal";
 };
 
-// What the positions of one instance see, in world directions.
+// Visibility of the vertices of one instance, with directions in world space.
 struct SeenByInstance {
-    std::vector<Visibility> visibility;  // one a position
-    std::vector<ModelParams> allParams;  // the same, where a model is stored beside it; else empty
+    std::vector<Visibility> visibility;  // one per position
+    std::vector<ModelParams> allParams;  // one per position if a model is stored beside visibility; else empty
 };
-using BakedVisibility = std::vector<SeenByInstance>;  // one an instance of the scene
+using BakedVisibility = std::vector<SeenByInstance>;  // one per instance of the scene
 
 struct Asset {
     Scene scene;
@@ -36,31 +36,35 @@ struct Asset {
     BakeInfo info;
 };
 
-// The model whose parameters the asset stores; nullptr where all is made from the four numbers.
+// The model whose parameters the asset stores; nullptr if it stores the four numbers alone.
 const Model* storedModel(const BakeInfo& info);
 
-// Whether a model's parameters may be interpolated: as its entry says, but not those of a model that can also be
-// made from the four numbers, which then are of either kind from vertex to vertex.
+// True if a model's parameters may be interpolated between vertices. That is Model::mixes, but not for stored parameters of
+// a model that can also be derived from the four numbers: these can differ in kind from vertex to vertex.
 bool mayMix(const Model& model, bool stored);
 
-// Bytes that a vertex's visibility takes, on average: the four numbers and what is stored beside them.
+// Mean bytes per vertex: the four numbers and what is stored beside them.
 double bytesAPoint(const Asset& asset);
 
-// Throws Error naming the scene where `info` holds what JSON cannot: to be asked before the work of a bake.
+// Throws Error naming the scene if `info` holds text that is not UTF-8, which JSON cannot hold. Call it before a bake.
 void requireStorable(const BakeInfo& info, const std::string& name);
 
-// Writes `scene` with its visibility as .glb: a document that the scene came from keeps all its content;
-// instances of one mesh get an attribute each and share the rest, what an earlier bake left is replaced, and bytes that
-// nothing refers to any more are left out. Throws Error naming `path`.
+// Writes a scene with its visibility as .glb, whole or not at all.
+//   scene       if it came from a glTF document, all content of that is kept; what an earlier bake added is replaced,
+//               and bytes that nothing refers to any more are left out
+//   visibility  one element per instance; instances of one mesh get an attribute each and share the rest
+//   info        `bits` sets the packing; `model` must be that of the parameters in `visibility`
+// Throws Error naming `path` if it cannot be written or would exceed the 4 GiB of a .glb, and as requireStorable does.
 void writeAsset(const std::string& path, const Scene& scene, const BakedVisibility& visibility, const BakeInfo& info);
 
-// Whether the scene came from a glTF file that holds visibility.
+// True if the scene came from a glTF file that holds visibility.
 bool hasVisibility(const Scene& scene);
 
-// The visibility that `scene`, read from a glTF file, carries. Throws Error naming it where it has none.
+// Takes the visibility out of a scene that was read from a glTF file. Throws Error naming the scene if it has none or if
+// what is stored is damaged.
 Asset toAsset(Scene scene);
 
-// readGltf and toAsset.
+// toAsset(readGltf(path)).
 Asset readAsset(const std::string& path);
 
 }  // namespace apertura

@@ -4,8 +4,8 @@
 
 namespace apertura {
 
-// How runtime/ and bake/ fail: one line that names the file (or the device) and the cause. A caller's
-// bug is an assert; what is thrown is always the world's fault.
+// How runtime/ and bake/ fail: one line that names the file (or the device) and the cause. It reports bad input and
+// failures of the machine; a caller's bug is an assert.
 struct Error : std::runtime_error {
     using std::runtime_error::runtime_error;
 };

@@ -18,7 +18,7 @@ namespace apertura {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr size_t kLargestFile = UINT32_MAX;  // bytes: what a .glb can hold
+constexpr size_t kLargestFile = UINT32_MAX;  // bytes, the most that a .glb can hold
 constexpr size_t kLongestName = 255;         // bytes, on the file systems in use
 constexpr size_t kTagDigits = 8;
 constexpr char kMark[] = ".apertura-";  // before the digits
@@ -39,7 +39,7 @@ private:
     int fd_;
 };
 
-// Opened without waiting for a pipe's other end, and found to be an ordinary file.
+// Opens an ordinary file and refuses others; O_NONBLOCK avoids waiting for the other end of a pipe.
 int openOrdinary(const std::string& path, struct stat& about) {
     Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
     if (file.get() < 0) throw Error(path + ": cannot be opened: " + std::strerror(errno));
@@ -56,7 +56,7 @@ std::string randomTag() {
     return out;
 }
 
-// What the temporary names of `final` begin with; a long name is cut so that they fit.
+// The beginning of temporary names of `final`; a long name is cut so that they fit.
 std::string temporaryPrefix(const fs::path& final) {
     const size_t rest = 1 + std::strlen(kMark) + kTagDigits + final.extension().native().size();
     std::string stem = final.stem().string();
@@ -66,7 +66,7 @@ std::string temporaryPrefix(const fs::path& final) {
 
 enum class Lock { Ours, Theirs, Impossible };
 
-// Takes the lock of a file; somebody else's is also the one that has no name any more.
+// Locks a file. A file that was removed meanwhile counts as somebody else's.
 Lock lockAlone(int fd) {
     struct stat about {};
     if (flock(fd, LOCK_EX | LOCK_NB) != 0) return errno == EWOULDBLOCK ? Lock::Theirs : Lock::Impossible;
@@ -126,10 +126,10 @@ PendingFile::PendingFile(std::string path) : path_(std::move(path)) {
         temporary_ = (final.parent_path() / (temporaryPrefix(final) + randomTag() + final.extension().string())).string();
         Descriptor file(open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
         if (file.get() < 0 && errno != EEXIST) throw refuse(errno);
-        // Between its making and its lock another run may take it for a leftover and remove it: then once more. Some
-        // file systems have no locks; leftovers stay there.
+        // Another run may take the file for a leftover and remove it before it is locked: then try again. On file systems
+        // without locks leftovers are never removed.
         if (file.get() >= 0 && lockAlone(file.get()) != Lock::Theirs) lock_ = file.release();
-        // What stands there keeps its permissions.
+        // A replaced file keeps its permissions.
         struct stat before {};
         if (lock_ >= 0 && stat(target_.c_str(), &before) == 0) fchmod(lock_, before.st_mode & 07777);
     }
@@ -154,6 +154,8 @@ void PendingFile::writeAll(std::string_view bytes) {
     out.close();
     if (!out) throw Error(path_ + ": cannot be written: " + std::strerror(errno));
 }
+
+void requireWritable(const std::string& path) { const PendingFile file(path); }
 
 void writeTextFile(const std::string& path, const std::string& text) {
     PendingFile file(path);

@@ -6,18 +6,18 @@
 
 namespace apertura {
 
-// The whole of an ordinary file (links followed; no folder, pipe or device), or Error "PATH: cause" where it cannot be
-// read. One of another size than `length`, where that is given, or of more than 4 GiB is not read.
+// Reads a whole ordinary file: links are followed, folders, pipes and devices refused. Throws Error "PATH: cause" if it
+// cannot be read, is larger than 4 GiB, or is not of `length` bytes where that is given.
 std::vector<unsigned char> readFile(const std::string& path, std::optional<size_t> length = {});
 
-// Throws Error "PATH: cause" unless an ordinary file that is not empty can be read there.
+// Throws Error "PATH: cause" unless `path` is an ordinary file that can be read and is not empty.
 void requireOrdinaryFile(const std::string& path);
 
-// A file that exists whole or not at all: written under another name beside `path` (same ending), put in
-// place by commit(), removed when it goes out of scope without one. While it exists the other name is locked
-// (flock); what a process that was killed left behind is not, and goes when the next file of that name is begun.
-// Throws Error naming `path` where the folder does not exist or cannot be written to, where its name is too long, or
-// where something that is no ordinary file stands there.
+// A file that appears whole or not at all. It is written under a temporary name beside `path`, with the same ending;
+// commit() moves it to `path`, and the destructor removes it if there was no commit. The temporary file is locked (flock)
+// while it is in use: one that a killed process left is not, and the next PendingFile of the same path removes it.
+// Throws Error naming `path` if the folder does not exist or cannot be written to, if the name is too long, or if
+// something other than an ordinary file is there.
 class PendingFile {
 public:
     explicit PendingFile(std::string path);
@@ -25,16 +25,19 @@ public:
     PendingFile(const PendingFile&) = delete;
     PendingFile& operator=(const PendingFile&) = delete;
 
-    const std::string& name() const { return temporary_; }  // where to write
-    void writeAll(std::string_view bytes);                  // all that it holds
-    void commit();
+    const std::string& name() const { return temporary_; }  // the temporary name, to write to
+    void writeAll(std::string_view bytes);                  // replaces the content; throws Error naming `path`
+    void commit();                                          // throws Error naming `path`
 
 private:
     std::string path_, target_, temporary_;
     int lock_ = -1;
 };
 
-// `text` as the whole of `path`, through a PendingFile.
+// Throws what a PendingFile of `path` would: to be asked before the work whose result goes there.
+void requireWritable(const std::string& path);
+
+// Writes `text` to `path` through a PendingFile. Throws as that does.
 void writeTextFile(const std::string& path, const std::string& text);
 
 }  // namespace apertura

@@ -13,11 +13,11 @@ namespace apertura {
 namespace {
 
 constexpr int kDeepestNode = 1000;
-// Of positions and indices that are read, and of vertices that instances have: to start with, and for each byte.
+// Limits of the positions and indices that are read and of the instances' vertices: a base, and more per byte of the file.
 constexpr double kFewElements = 0x1p24, kElementsAByte = 256;
 constexpr double kFewVertices = 0x1p22, kVerticesAByte = 64;
 constexpr float kFarthestEye = 1e15f;  // metres
-// Of a normal's length from 1, as the Khronos validator has it: what is farther off is stored anew.
+// How far a normal's length may be from 1, as in the Khronos validator.
 constexpr float kUnitTolerance = 0.0067f;
 
 template <typename Vector>
@@ -72,11 +72,12 @@ void readNormals(const GltfDocument& document, size_t accessor, Surface& surface
         n = length > 1e-12f && std::isfinite(length) ? n / length : glm::vec3(0, 1, 0);
     }
     const Json& from = document.json["accessors"][accessor];
-    // Before they were decoded nobody could see that they are not: in the asset they would be our error.
+    // Normals of a compressed view that are not unit are stored anew: no validator could see them in the source, but in
+    // the asset, where they are decoded, it would report them.
     surface.normalsMade = !unit && from.contains("bufferView") && document.decodedViews.contains(from["bufferView"].get<size_t>());
 }
 
-// The primitive as a Surface; without triangles where it draws points or lines.
+// The primitive as a Surface, without triangles if it draws points or lines.
 Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
     Surface surface;
     const size_t mode = unsignedOr(primitive, "mode", kTriangles);
@@ -112,7 +113,7 @@ Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
     return surface;
 }
 
-// Walks the scene's nodes; glTF forbids cycles and files have them all the same.
+// Walks the scene's nodes. glTF forbids cycles, but damaged files have them.
 class Walker {
 public:
     Walker(Scene& scene, const GltfDocument& document)
@@ -178,7 +179,7 @@ private:
             scene_.notes.push_back("its camera cannot be used");
             return;
         }
-        // As far away as floats tell its place from the eye's.
+        // The target is at least as far from the eye as the eye is from the origin, so that floats can tell them apart.
         scene_.camera = Camera{glm::vec3(eye), glm::vec3(eye + std::max(1.0, far) * forward / length), float(fov), glm::vec3(up / height)};
     }
 

@@ -1,4 +1,4 @@
-// What buffer views and accessors of a glTF document hold.
+// The contents of buffer views and accessors of a glTF document.
 #include <meshoptimizer.h>
 
 #include <algorithm>
@@ -13,14 +13,14 @@
 namespace apertura {
 namespace {
 
-// Of an accessor without a view: honest ones are of sparse values, some of which stand in the file.
+// Limit of elements of an accessor without a view. A harmless one has sparse values, some of which are in the file.
 constexpr size_t kZerosAByte = 16, kFewZeros = 65536;
-// Of nodes that instances are spelled out as; each takes some of an accessor's bytes.
+// Limit of nodes that instances become. Each instance takes some bytes of an accessor.
 constexpr double kFewInstances = 65536, kInstancesAByte = 1, kBytesAnInstance = 2000;
 
-// Elements as they lie in a buffer.
+// The layout of elements in a buffer.
 struct Layout {
-    std::span<const unsigned char> bytes;  // of the view, from the first element on
+    std::span<const unsigned char> bytes;  // of the view, starting at the first element
     size_t stride = 0;                     // bytes from one element to the next
 
     const unsigned char* element(size_t i) const { return bytes.data() + i * stride; }
@@ -28,7 +28,7 @@ struct Layout {
 
 size_t componentSize(int type) { return type == kByte || type == kUnsignedByte ? 1 : type == kShort || type == kUnsignedShort ? 2 : 4; }
 
-// Rows and columns of a type; the columns of matrices begin at multiples of four bytes.
+// Rows and columns of a type. Columns of matrices start at multiples of four bytes.
 std::pair<size_t, size_t> shapeOf(const Json& accessor) {
     static const std::map<std::string, std::pair<size_t, size_t>> shapes{
         {"SCALAR", {1, 1}}, {"VEC2", {2, 1}}, {"VEC3", {3, 1}}, {"VEC4", {4, 1}}, {"MAT2", {2, 2}}, {"MAT3", {3, 3}}, {"MAT4", {4, 4}}};
@@ -41,7 +41,7 @@ size_t sizeOf(const Json& accessor) {
     return columns == 1 ? column : columns * ((column + 3) / 4 * 4);
 }
 
-// `count` elements of a view from `offset` on, checked to lie inside it.
+// `count` elements of `element` bytes in a view from `offset` on. Throws Error unless they lie inside it.
 Layout layoutOf(const GltfDocument& document, const std::string& where, size_t view, size_t offset, size_t count, size_t element,
                 bool strided) {
     const std::span<const unsigned char> bytes = viewBytes(document, view);
@@ -53,9 +53,9 @@ Layout layoutOf(const GltfDocument& document, const std::string& where, size_t v
     return {bytes.subspan(offset), stride};
 }
 
-// An accessor with its places checked. Where it has no view its elements are zeros, and then the sparse ones.
+// An accessor whose ranges are checked. Without a view its elements are zeros; sparse values then replace some of them.
 struct Elements {
-    size_t count = 0, size = 0;  // of one, bytes
+    size_t count = 0, size = 0;  // bytes per element
     std::optional<Layout> dense;
     size_t sparseCount = 0, indexSize = 0;
     Layout sparseIndices, sparseValues;
@@ -91,11 +91,11 @@ size_t bytesInBuffers(const GltfDocument& document) {
     return sum;
 }
 
-// The elements, one close behind the other.
+// The elements, tightly packed.
 Bytes elementBytes(const GltfDocument& document, size_t index) {
     const Elements elements = elementsOf(document, index);
     const std::string where = document.name + ": accessor " + std::to_string(index);
-    // Elements of a view are as many as its bytes allow; those without one are zeros, of which a file may claim any number.
+    // The bytes of a view limit its elements. Without a view they are zeros, and a file can claim any number of them.
     if (!elements.dense && elements.count > kZerosAByte * bytesInBuffers(document) + kFewZeros)
         throw Error(where + " has too many elements");
     Bytes out(elements.count * elements.size);
@@ -133,7 +133,7 @@ void forgetExtension(Json& json, const char* name) {
         for (const Json& entry : json[key])
             if (entry != name) kept.push_back(entry);
         if (kept.empty())
-            json.erase(key);  // neither may be empty
+            json.erase(key);  // glTF allows no empty list
         else
             json[key] = std::move(kept);
     }
@@ -145,11 +145,11 @@ void eraseExtension(Json& holder, const char* name) {
     if (holder["extensions"].empty()) holder.erase("extensions");
 }
 
-// The most bytes that a byte of EXT_meshopt_compression decodes to: vertices have two bits for a group of sixteen equal
-// bytes; triangles a byte for three indices; sequences a byte for one.
+// Upper bound for the bytes that one byte of EXT_meshopt_compression decodes to. Vertices take at least two bits for a
+// group of sixteen equal bytes, triangles a byte for three indices, sequences a byte for one.
 size_t largestRatio(const std::string& mode) { return mode == "ATTRIBUTES" ? 64 : mode == "TRIANGLES" ? 12 : 4; }
 
-// One attribute of the instances: their transforms, or what is an application's own, which moves to their extras.
+// Adds one attribute of the instances to the nodes: part of their transform, or an application's own, as extras.
 void addInstanceValues(const GltfDocument& document, const std::string& attribute, size_t accessor, std::vector<Json>& children) {
     static const std::map<std::string, std::pair<const char*, size_t>> transforms{
         {"TRANSLATION", {"translation", 3}}, {"ROTATION", {"rotation", 4}}, {"SCALE", {"scale", 3}}};
@@ -257,7 +257,7 @@ GatheredAccessor gatherAccessor(const GltfDocument& document, size_t index, std:
         std::memcpy(&out.bytes[i * out.stride], &given[from[i] * size], size);
     }
     if (!accessor.contains("min") && !accessor.contains("max")) return out;
-    // Of the components as they are stored.
+    // glTF states min and max of the components before normalisation.
     const int type = accessor["componentType"].get<int>();
     const size_t part = componentSize(type), parts = size / part;
     std::vector<double> low(parts, 1e300), high(parts, -1e300);
@@ -314,7 +314,7 @@ void expandInstancing(GltfDocument& document) {
     if (!document.json.contains("nodes")) return;
     Json& nodes = document.json["nodes"];
     const size_t given = nodes.size();
-    // How many a node stands for: as many as each of its attributes has.
+    // The number of instances of a node: that of the elements of each of its attributes.
     auto attributesOf = [&](const Json& node) {
         return listOf(node, "extensions").contains(name) ? node["extensions"][name]["attributes"] : Json();
     };
@@ -327,7 +327,7 @@ void expandInstancing(GltfDocument& document) {
         }
         return count.value_or(0);
     };
-    // Counted before they are spelled out.
+    // Instances are counted before nodes are allocated.
     size_t instances = 0;
     for (const Json& node : nodes)
         if (node.contains("mesh")) instances += countOf(attributesOf(node));

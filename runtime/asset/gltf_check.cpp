@@ -1,5 +1,5 @@
-// The structure of a glTF document: all that is read of its JSON has its type, and every index its element. The rest of
-// runtime/ may then take numbers as they stand.
+// Checks the structure of a glTF document: all JSON that is read has the right type and every index is in range. The rest
+// of runtime/ relies on it.
 #include <array>
 #include <cmath>
 #include <functional>
@@ -73,7 +73,7 @@ private:
         for (const char* key : {"extensionsUsed", "extensionsRequired"})
             for (const Json& extension : array(json_, key, "the document"))
                 if (!extension.is_string()) fail(key, "does not hold names");
-        // Those that change what a reader must do to see the geometry as it is meant.
+        // Required extensions that are supported, or that do not change the geometry.
         static const std::set<std::string> known{"KHR_mesh_quantization",   "KHR_texture_transform", "EXT_meshopt_compression",
                                                  "EXT_mesh_gpu_instancing", "KHR_lights_punctual",   "KHR_texture_basisu",
                                                  "EXT_texture_webp"};
@@ -204,7 +204,7 @@ private:
         if (holder.contains(key) && !holder[key].is_number()) fail(where + "." + key, "is not a number");
     }
 
-    // JSON may write a whole number as 1.0 too.
+    // JSON may also write an integer as 1.0.
     void whole(const Json& holder, const char* key, const std::string& where, bool required = false) const {
         const auto found = holder.find(key);
         if (found == holder.end()) {

@@ -11,10 +11,10 @@
 namespace apertura {
 namespace {
 
-constexpr int kDeepest = 200;  // nested arrays and objects: what walks them recurses
+constexpr int kDeepest = 200;  // nested arrays and objects; functions that walk them recurse
 constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
-// Whether JSON text nests deeper than can be followed.
+// True if JSON text nests deeper than kDeepest.
 bool nestsTooDeep(std::span<const unsigned char> text) {
     int depth = 0;
     bool quoted = false;
@@ -47,19 +47,19 @@ Json parseJson(std::span<const unsigned char> text, const std::string& name) {
     } catch (const Json::exception& e) {
         std::string cause = e.what();  // [json.exception.parse_error.101] parse error at ...
         if (const size_t end = cause.find("] "); cause.starts_with("[") && end != std::string::npos) cause.erase(0, end + 2);
-        cause.resize(std::min({cause.size(), cause.find("; last read"), size_t(200)}));  // which may be most of the file
+        cause.resize(std::min({cause.size(), cause.find("; last read"), size_t(200)}));  // it may quote most of the file
         throw Error(name + ": not a valid glTF file: " + cause);
     }
 }
 
-// Files and data that URIs name, each read once.
+// Reads the files and data that URIs name, each once.
 class UriReader {
 public:
     UriReader(const std::string& name, const std::filesystem::path& folder) : name_(name), folder_(folder) {}
 
     size_t fileBytes() const { return fileBytes_; }
 
-    // Null where there is no such file.
+    // Null if there is no such file.
     SharedBytes read(const std::string& uri, std::optional<size_t> length) {
         const UriSource source = resolveUri(uri, folder_, name_);
         const auto [found, fresh] = read_.try_emplace(source.file.empty() ? uri : source.file.string());
@@ -76,7 +76,7 @@ public:
 private:
     const std::string& name_;
     const std::filesystem::path& folder_;
-    std::map<std::string, SharedBytes> read_;  // by file, however its URI is spelt
+    std::map<std::string, SharedBytes> read_;  // by canonical path, or by URI for data
     size_t fileBytes_ = 0;
 };
 
@@ -87,7 +87,7 @@ void readBuffers(GltfDocument& document, const GltfContainer& container, UriRead
         const Json& buffer = buffers[i];
         const std::string where = document.name + ": buffer " + std::to_string(i);
         const size_t length = buffer["byteLength"].get<size_t>();
-        // A stand-in of zeros for readers that do not know the compression: we do, and need none.
+        // A fallback buffer, for readers without the compression, is not needed.
         if (listOf(buffer, "extensions").contains("EXT_meshopt_compression")) {
             document.buffers.push_back(none);
         } else if (buffer.contains("uri")) {
@@ -123,7 +123,7 @@ void readImages(GltfDocument& document, UriReader& reader) {
 void checkViews(const GltfDocument& document) {
     const Json& views = listOf(document.json, "bufferViews");
     for (size_t i = 0; i < views.size(); ++i) {
-        // Compressed ones point to where nothing stands: decodeMeshopt checks what they are made from.
+        // A compressed view may point into an empty fallback buffer: decodeMeshopt checks its source.
         if (listOf(views[i], "extensions").contains("EXT_meshopt_compression")) continue;
         const size_t size = document.buffers[views[i]["buffer"].get<size_t>()]->size(), offset = unsignedOr(views[i], "byteOffset", 0);
         const size_t length = views[i]["byteLength"].get<size_t>();
@@ -138,7 +138,7 @@ GltfContainer splitContainer(std::span<const unsigned char> bytes, const std::st
     if (bytes.empty()) throw Error(name + ": the file is empty");
     if (bytes.size() > std::numeric_limits<uint32_t>::max()) throw Error(name + ": larger than 4 GiB");
     if (bytes.size() < 4 || wordAt(bytes, 0) != kGlbMagic) {
-        // JSON begins with a brace, perhaps behind a byte order mark.
+        // JSON starts with a bracket, perhaps after white space or a byte order mark.
         const auto first = std::find_if(bytes.begin(), bytes.end(), [](unsigned char c) { return !std::isspace(c); });
         if (first == bytes.end() || (*first != '{' && *first != '[' && *first != 0xEF)) throw Error(name + ": not a glTF file");
         return {bytes, {}, false};

@@ -1,9 +1,9 @@
 #pragma once
-// A glTF 2.0 file whole: its JSON as it stands and the bytes that it refers to, every number checked against what
-// there is before memory is asked for. Specification: Khronos, "glTF 2.0", 2021.
+// A whole glTF 2.0 file: its JSON unchanged and the bytes that it refers to. Every number is checked against the bytes
+// that exist before memory is allocated. Specification: Khronos, "glTF 2.0", 2021.
 //
-// What a file may make us read: itself, data URIs, and ordinary files in its own folder and below. What it may make
-// us allocate: as much as its bytes decode to.
+// A file can make us read itself, data URIs, and ordinary files in its own folder and below; and allocate as much as its
+// bytes decode to.
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -20,21 +20,22 @@ namespace apertura {
 
 using Json = nlohmann::json;
 using Bytes = std::vector<unsigned char>;
-using SharedBytes = std::shared_ptr<const Bytes>;  // never null; entries that name one file share it
+using SharedBytes = std::shared_ptr<const Bytes>;  // never null; entries that name the same file share it
 
 struct GltfDocument {
-    std::string name;                  // of the file, as errors begin with it
-    Json json;                         // of the right structure, all indices in range
-    std::vector<SharedBytes> buffers;  // one an entry of json["buffers"]
-    std::vector<SharedBytes> images;   // one an entry of json["images"]; empty for those in a buffer view
-    std::set<size_t> decodedViews;     // those that were compressed in the file
-    size_t fileBytes = 0;              // of the file and of what it refers to, each counted once
-    std::vector<std::string> notes;    // what is amiss but can be worked with, a line each
+    std::string name;                  // of the file; errors begin with it
+    Json json;                         // checked: types are right and indices in range
+    std::vector<SharedBytes> buffers;  // one per entry of json["buffers"]
+    std::vector<SharedBytes> images;   // one per entry of json["images"]; empty for those in a buffer view
+    std::set<size_t> decodedViews;     // buffer views that were compressed in the file
+    size_t fileBytes = 0;              // size of the file and of all that it refers to, each counted once
+    std::vector<std::string> notes;    // faults that the reader works around, a line each
 };
 
-// A file may refer to the same bytes many times, and then stands for more than it holds: honest ones up to some
-// hundred times (a forest of one tree), hostile ones a million times. Adds up what is spelled out and throws Error
-// naming the document where that is more than `base` and `factor` for each of its bytes.
+// Limits how far a document may expand. A file can refer to the same bytes many times: a harmless one some hundred times
+// (a forest of one tree), a hostile one a million times.
+//   what          what is counted, in the plural, for the error
+//   base, factor  spend() throws Error naming the document when the sum exceeds base + factor * fileBytes
 class Budget {
 public:
     Budget(const GltfDocument& document, const char* what, double base, double factor);
@@ -45,34 +46,34 @@ private:
     double left_;
 };
 
-// The numbers of JSON that glTF gives to component types and topologies.
+// glTF's numbers for component types, topologies and the targets of buffer views.
 enum GltfComponent { kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126 };
 enum GltfMode { kPoints = 0, kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
 enum GltfTarget { kNoTarget = 0, kArrayBuffer = 34962, kElementArrayBuffer = 34963 };
 
-// Reads .glb or .gltf with its buffers and images. Compressed views (EXT_meshopt_compression) come out decoded, and
-// instances (EXT_mesh_gpu_instancing) as nodes. Throws Error naming `path` for anything that is broken, needs an
-// unknown extension, or reaches for what it was not given.
+// Reads .glb or .gltf with its buffers and images. Compressed views (EXT_meshopt_compression) are decoded and instances
+// (EXT_mesh_gpu_instancing) become nodes. Throws Error naming `path` if anything is broken, an unknown extension is
+// required, or a URI leads outside the file's folder.
 GltfDocument readGltfDocument(const std::string& path);
 
-// The same from memory; what URIs name is looked for in `folder`.
+// The same from memory. `name` begins the errors; URIs are relative to `folder`.
 GltfDocument parseGltfDocument(std::span<const unsigned char> bytes, const std::string& name, const std::filesystem::path& folder);
 
-// The bytes of a buffer view. Throws Error naming the document where there is no view of this index.
+// The bytes of a buffer view. Throws Error naming the document if there is no view with this index.
 std::span<const unsigned char> viewBytes(const GltfDocument& document, size_t view);
 
-// Elements of an accessor.
+// Number of elements of an accessor.
 size_t accessorCount(const GltfDocument& document, size_t accessor);
 
-// An accessor's elements as floats (normalised integers already mapped), `components` an element. Throws Error naming
-// the document where it has another number of components, or more elements than the file can justify.
+// An accessor's elements as floats, `components` per element; normalised integers are mapped to 0..1 or -1..1. Throws
+// Error naming the document if it has another number of components, or more elements than a file of this size can mean.
 std::vector<float> readAccessor(const GltfDocument& document, size_t accessor, int components);
 
-// An accessor's elements as whole numbers. Throws Error where it is not a scalar of unsigned integers.
+// An accessor's elements as integers. Throws Error naming the document unless they are scalars of an unsigned type.
 std::vector<uint32_t> readIndices(const GltfDocument& document, size_t accessor);
 
-// An accessor of the elements `from` of another: its JSON but for where its bytes are, and those, each element at a
-// multiple of four bytes.
+// A new accessor of chosen elements of another: its JSON without the place of its bytes, and the bytes, each element
+// padded to a multiple of four. `from`: the index of each element to take. Throws Error if one is out of range.
 struct GatheredAccessor {
     Json members;
     Bytes bytes;
@@ -80,44 +81,42 @@ struct GatheredAccessor {
 };
 GatheredAccessor gatherAccessor(const GltfDocument& document, size_t accessor, std::span<const uint32_t> from);
 
-// The files of runtime/gltf_*.cpp among themselves:
+// The rest is for runtime/asset/gltf_*.cpp alone.
 
-// The JSON chunk and, of a .glb, the binary one.
+// The JSON chunk and, for a .glb, the binary one.
 struct GltfContainer {
     std::span<const unsigned char> json, binary;
     bool isBinary = false;
     bool hasMore = false;  // chunks of other kinds follow
 };
 GltfContainer splitContainer(std::span<const unsigned char> bytes, const std::string& name);
-// Throws Error unless everything that is read of the JSON has the right type and every index is in range.
+// Throws Error unless all JSON that is read later has the right type and every index is in range.
 void checkStructure(const Json& json, const std::string& name);
-// Throws Error unless accessors lie in their views.
+// Throws Error unless every accessor lies within its view.
 void checkAccessors(const GltfDocument& document);
-// What a URI names: data that it holds itself, or an ordinary file in the document's folder or below.
+// The target of a URI: data that it contains, or an ordinary file in the document's folder or below.
 struct UriSource {
     std::string uri;
-    std::filesystem::path file;  // canonical; empty where the URI is data, or there is no such file
+    std::filesystem::path file;  // canonical; empty if the URI is data or there is no such file
     bool isData() const { return uri.starts_with("data:"); }
 };
 // Throws Error naming the URI where it leads anywhere else.
 UriSource resolveUri(const std::string& uri, const std::filesystem::path& folder, const std::string& name);
-// Its bytes; nothing where there is no such file. Throws Error naming the URI where it cannot be read, or its bytes are
-// not `length` of them.
+// Its bytes; nullopt if there is no such file. Throws Error naming the URI if it cannot be read or is not of `length` bytes.
 std::optional<Bytes> readUri(const UriSource& source, std::optional<size_t> length, const std::string& name);
-// Takes away what says the same a second time, compressed by an extension that nobody has to know: Draco,
-// KHR_meshopt_compression.
+// Removes second, compressed copies of the same data in optional extensions: Draco, KHR_meshopt_compression.
 void dropAlternatives(Json& json);
 // Replaces each compressed view by a plain one with a buffer of its own.
 void decodeMeshopt(GltfDocument& document);
-// Spells instances out as child nodes: each sees a sky of its own.
+// Replaces EXT_mesh_gpu_instancing by child nodes, since each instance sees its own sky.
 void expandInstancing(GltfDocument& document);
 
-// The non-negative integer `object[key]`, or `fallback` where it has none. Only for what checkStructure has seen.
+// The non-negative integer `object[key]`, or `fallback` if there is none. Call it only after checkStructure.
 inline size_t unsignedOr(const Json& object, const char* key, size_t fallback) {
     const auto found = object.find(key);
     return found == object.end() ? fallback : found->get<size_t>();
 }
-// The array or object `object[key]`, or an empty one.
+// The array or object `object[key]`, or an empty array.
 inline const Json& listOf(const Json& object, const char* key) {
     static const Json none = Json::array();
     const auto found = object.find(key);

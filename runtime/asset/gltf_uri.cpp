@@ -1,4 +1,4 @@
-// What a glTF file may make us read: see runtime/asset/gltf_document.h.
+// URIs: runtime/asset/gltf_document.h says what a glTF file can make us read.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -52,7 +52,7 @@ std::optional<std::string> decodePercent(std::string_view text) {
     return out;
 }
 
-// The name of a URI's scheme (RFC 3986, 3.1), or nothing where it is a relative reference.
+// The scheme of a URI (RFC 3986, 3.1); empty for a relative reference.
 std::string_view schemeOf(std::string_view uri) {
     const size_t end = std::find_if(uri.begin(), uri.end(),
                                     [](char c) { return !std::isalnum(uint8_t(c)) && c != '+' && c != '-' && c != '.'; })
@@ -61,7 +61,7 @@ std::string_view schemeOf(std::string_view uri) {
     return scheme ? uri.substr(0, end) : std::string_view();
 }
 
-// Data may be long: its beginning names it.
+// A long URI, of data, is cut after 100 characters.
 Error refusal(const std::string& uri, const std::string& name, const std::string& cause) {
     return Error(name + ": the URI '" + (uri.size() > 120 ? uri.substr(0, 100) + "..." : uri) + "' " + cause);
 }
@@ -78,7 +78,7 @@ UriSource resolveUri(const std::string& uri, const fs::path& folder, const std::
     const std::optional<std::string> decoded = decodePercent(uri);
     if (!decoded || decoded->empty() || decoded->find('\0') != std::string::npos) throw refusal(uri, name, "is not a file's name");
     if (fs::path(*decoded).is_absolute()) throw refusal(uri, name, "is not relative to the document's own folder");
-    // Decided by where the path leads, links followed: not by how it is spelt.
+    // The place that the path leads to after links are followed decides, not its spelling.
     std::error_code error;
     const fs::path home = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
     if (error) throw refusal(uri, name, "cannot be looked for: " + error.message());

@@ -11,9 +11,9 @@
 namespace apertura {
 namespace {
 
-constexpr size_t kAlignment = 16;  // of what a buffer held, kept
+constexpr size_t kAlignment = 16;  // bytes; views keep their offset modulo this
 
-using Visit = std::function<void(Json&)>;  // of an index, or of what holds some
+using Visit = std::function<void(Json&)>;  // called for an index, or for JSON that holds indices
 
 void visitMember(Json& holder, const char* key, const Visit& visit) {
     if (const auto found = holder.find(key); found != holder.end()) visit(*found);
@@ -42,7 +42,7 @@ void visitAccessors(Json& json, const Visit& visit) {
     });
 }
 
-// Those of accessors that `except` names are passed over.
+// Visits all indices of buffer views, but not those in the accessors of `except`.
 void visitViews(Json& json, const std::set<size_t>& except, const Visit& visit) {
     if (json.contains("accessors"))
         for (size_t i = 0; i < json["accessors"].size(); ++i) {
@@ -65,10 +65,10 @@ std::set<size_t> unused(std::set<size_t> candidates, const std::function<void(co
     return candidates;
 }
 
-// Takes elements out of an array of the document and counts the indices that lie behind them down.
+// Removes elements from an array of the document and renumbers the indices of those that stay.
 void removeElements(Json& list, const std::set<size_t>& indices, const std::function<void(const Visit&)>& visitAll) {
     if (indices.empty()) return;
-    std::vector<size_t> place(list.size());  // of each that stays
+    std::vector<size_t> place(list.size());  // new index of each that stays
     for (size_t i = 0, next = 0; i < place.size(); ++i) place[i] = indices.contains(i) ? next : next++;
     visitAll([&](Json& index) { index = place[index.get<size_t>()]; });
     Json kept = Json::array();
@@ -77,7 +77,7 @@ void removeElements(Json& list, const std::set<size_t>& indices, const std::func
     list = std::move(kept);
 }
 
-// Whether an extension might refer to accessors or views by index: those of materials, textures and lights do not.
+// True if all used extensions are known not to refer to accessors or views by index in places of their own.
 bool onlyKnownExtensions(const Json& json) {
     for (const Json& extension : listOf(json, "extensionsUsed")) {
         const auto& name = extension.get_ref<const std::string&>();
@@ -89,7 +89,7 @@ bool onlyKnownExtensions(const Json& json) {
     return true;
 }
 
-// As a data URI says it, or by the first bytes of the file, as each format's specification has them; else empty.
+// The MIME type that a data URI states or the first bytes of the file show, by each format's specification; else empty.
 std::string mimeTypeOf(const std::string& uri, const Bytes& bytes) {
     if (uri.starts_with("data:image/")) return uri.substr(5, uri.find_first_of(";,") - 5);
     const std::string head(bytes.begin(), bytes.begin() + ptrdiff_t(std::min<size_t>(bytes.size(), 12)));
@@ -162,7 +162,7 @@ void GltfWriter::removeReleased() {
         removeElements(json_["bufferViews"], freeViews_, [&](const Visit& visit) { visitViews(json_, {}, visit); });
         return;
     }
-    // Somebody may count on the places of the others: what is not used shrinks in its own.
+    // An unknown extension may refer to accessors by index, so none may move: unused ones stay in place and shrink.
     for (const size_t accessor : freeAccessors_)
         for (const char* key : {"bufferView", "byteOffset", "sparse", "min", "max"}) json_["accessors"][accessor].erase(key);
     if (freeViews_.empty()) return;
@@ -179,7 +179,7 @@ void GltfWriter::embedImages() {
         if (images_[i]->empty()) continue;
         if (!image.contains("mimeType")) {
             const std::string type = mimeTypeOf(image["uri"].get_ref<const std::string&>(), *images_[i]);
-            if (type.empty()) continue;  // nobody could read it from the file: it stays a reference
+            if (type.empty()) continue;  // a reader of the file could not tell its format: it stays a reference
             image["mimeType"] = type;
         }
         const auto [view, fresh] = views.try_emplace(images_[i].get());
@@ -189,7 +189,7 @@ void GltfWriter::embedImages() {
     }
 }
 
-// The runs of bytes that make up the one buffer, each padded to a multiple of four; views are moved there.
+// Points all views into one merged buffer and returns the runs of bytes, padding included, that it consists of.
 std::vector<std::span<const unsigned char>> GltfWriter::packBuffers() {
     static const unsigned char zeros[kAlignment] = {};
     struct Use {
@@ -205,7 +205,7 @@ std::vector<std::span<const unsigned char>> GltfWriter::packBuffers() {
     }
     std::stable_sort(uses.begin(), uses.end(),
                      [](const Use& a, const Use& b) { return std::tie(a.buffer, a.begin) < std::tie(b.buffer, b.begin); });
-    // Views that overlap, or touch but for padding, stay together; in the order of the first of them.
+    // Views that overlap, or are apart by padding alone, stay together as a group. Groups are in the order of their first view.
     std::map<size_t, std::vector<Use>> groups;
     for (size_t i = 0; i < uses.size();) {
         std::vector<Use> group{uses[i]};
@@ -235,7 +235,7 @@ std::vector<std::span<const unsigned char>> GltfWriter::packBuffers() {
         append(std::span(*buffers_[group[0].buffer]).subspan(begin, end - begin));
     }
     append({zeros, (4 - size % 4) % 4});
-    // What buffers held besides: of the first it stays, others' moves to a list.
+    // Other members of the buffers' JSON: those of the first buffer stay, those of others move to a list.
     Json merged = json_["buffers"].empty() ? Json::object() : json_["buffers"][0], others = Json::array();
     merged.erase("uri");
     merged["byteLength"] = size;

@@ -1,8 +1,8 @@
 #pragma once
-// What an asset stores beside _VISIBILITY: the parameters of one primitive's vertices as bytes, without gaps.
+// The model parameters that an asset stores beside _VISIBILITY: bytes of one primitive's vertices, without gaps.
 //   a model of fixed size   its numbers, vertex after vertex
-//   auto                    a byte a vertex, the autoTag of its choice, and 128 more where no model
-//                           came within the tolerance; then the numbers that each choice has, vertex after vertex
+//   auto                    one byte per vertex: the autoTag of its choice, plus 128 if no model came within the
+//                           tolerance; then the numbers of each choice, vertex after vertex
 // A number is a normalised signed byte or short (little-endian), as in _VISIBILITY.
 #include <cstddef>
 #include <span>
@@ -13,11 +13,13 @@
 
 namespace apertura {
 
-// Bytes of the parameters, turned by `toLocal` into the frame of the primitive's vertices.
+// Packs one element of `allParams` per vertex.
+//   toLocal  rotation from the world to the frame of the primitive's vertices
+//   bits     per number, 8 or 16
 std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelParams> allParams, const mat3& toLocal, int bits);
 
-// Parameters of `count` vertices, turned by `toWorld`. Throws Error with the cause (the caller names the file) where the bytes
-// are too few, too many, or name a choice that is none.
+// Unpacks the parameters of `count` vertices and rotates them by `toWorld`. Throws Error with the cause, without the file's
+// name, if there are too few bytes or too many, or a choice is not a model.
 std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld,
                                          int bits);
 

@@ -32,14 +32,15 @@ void writePicture(const std::string& path, const Picture& picture) {
     if (!out) throw Error(path + ": cannot be written: " + OIIO::geterror());
     OIIO::ImageSpec spec(picture.width, picture.height, 3, linear ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", linear ? "Linear" : "sRGB");
-    // Into memory first: the library does not say where a disk has no room for the last bytes.
+    // The picture is encoded in memory: the library does not report a disk that is full when it writes the last bytes.
     OIIO::Filesystem::IOVecOutput encoded;
     bool written = out->set_ioproxy(&encoded) && out->open(file.name(), spec);
     if (linear) {
         written = written && out->write_image(OIIO::TypeDesc::FLOAT, picture.pixels.data());
     } else {
         std::vector<glm::u8vec3> bytes;
-        // 2.4: GLM's own exponent for the curve has five digits.
+        bytes.reserve(picture.pixels.size());
+        // 2.4 is the exact exponent; GLM's default for the curve is rounded to five digits.
         for (const glm::vec3& p : picture.pixels) bytes.push_back(glm::packUnorm<uint8_t>(glm::convertLinearToSRGB(p, 2.4f)));
         written = written && out->write_image(OIIO::TypeDesc::UINT8, bytes.data());
     }

@@ -1,5 +1,5 @@
 #pragma once
-// Visibility read at a point of a surface, from where the asset stores it: what shaders/scene.frag does for a pixel.
+// Visibility at a point of a surface, interpolated from the vertices as shaders/scene.frag does for a pixel.
 #include <glm/glm.hpp>
 #include <utility>
 #include <vector>
@@ -9,12 +9,14 @@
 
 namespace apertura {
 
-// Receivers whose light is to be mixed by their weights, which sum to 1: one, where the model's parameters may be
-// interpolated, and otherwise those of the triangle's three corners.
+// Receivers and weights, which sum to 1: the light of the point is the weighted sum of theirs. One receiver if the model's
+// parameters may be interpolated (mayMix), otherwise those of the triangle's three corners.
 using WeightedReceivers = std::vector<std::pair<float, Receiver>>;
 
-// At a point of a triangle, which the asset holds `model` of. `barycentrics` as of surfaceAt; `normal` (unit, world) is what
-// is lit.
+// The receivers at a point of a triangle.
+//   model         the one that the asset stores, or one that is derived from the four numbers
+//   barycentrics  as for surfaceAt
+//   normal        of the lit surface, unit, world
 WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instance, int triangle, const glm::vec3& barycentrics,
                              const glm::vec3& normal);
 

@@ -14,10 +14,10 @@
 namespace apertura {
 namespace {
 
-constexpr float kFarthest = 1e15f;    // metres; beyond, squares of lengths leave float32
-constexpr double kSingular = 1e-300;  // determinants up to this
-constexpr double kPlaneSteps = 4096;  // of a normal's components: planes nearer than that are one
-// While baking, measured: the point, the four numbers and a model's parameters; and in the tracer.
+constexpr float kFarthest = 1e15f;    // metres; squares of longer lengths may overflow float32
+constexpr double kSingular = 1e-300;  // transforms with a determinant up to this are singular
+constexpr double kPlaneSteps = 4096;  // steps per unit of a normal's component; planes whose normals round to the same are one
+// Memory while baking, measured: per vertex the point, the four numbers and a model's parameters; per triangle the tracer.
 constexpr double kBytesAVertex = 150, kBytesATriangle = 150;
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -37,7 +37,7 @@ glm::mat3 normalMatrix(const glm::mat4& m) {
     const double det = glm::determinant(linear);
     if (!(std::abs(det) > kSingular)) return rotationPart(m);
     const glm::dmat3 cofactor = glm::transpose(glm::inverse(linear));
-    double largest = 0;  // made 1: floats do not hold the squares of all scales
+    double largest = 0;  // becomes 1, since floats cannot hold the squares of all scales
     for (int c = 0; c < 3; ++c) largest = std::max(largest, glm::length(cofactor[c]));
     return glm::mat3(cofactor / largest);
 }
@@ -66,7 +66,7 @@ Camera viewOf(const Scene& scene) {
     camera.target = 0.5f * (box.low + box.high);
     const glm::vec3 back = glm::normalize(glm::vec3(0.45f, 0.55f, 1.0f));
     const glm::vec3 right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), back)), up = glm::cross(back, right);
-    // As near as keeps every corner of the box in a picture of 3 : 2, with a little air.
+    // The nearest distance that keeps every corner of the box in a picture of 3 : 2, with a margin.
     const float tangent = std::tan(camera.verticalFov / 2) * 0.92f;
     float distance = 1e-6f;
     for (int corner = 0; corner < 8; ++corner) {
@@ -104,7 +104,7 @@ SurfaceAt surfaceAt(const Scene& scene, int instance, int triangle, const glm::v
     out.longest = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
     const glm::dvec3 cross = glm::cross(c[1] - c[0], c[2] - c[0]), side(normals * sum);
     const double area = glm::length(cross);
-    // Normals that lie in the face say nothing of its side: its winding does.
+    // Vertex normals that lie in the face do not tell its side: its winding decides.
     const bool wound = glm::dot(cross, side) >= -1e-6 * area * glm::length(side);
     if (area > 0) out.face = glm::vec3(cross / (wound ? area : -area));
     const glm::vec3 turned = normals * mean;
@@ -133,7 +133,7 @@ void makeNormals(Surface& surface) {
 }
 
 void makeFlat(Surface& surface) {
-    // Triangles at a vertex whose normals round to the same lie in one plane.
+    // A vertex and a rounded face normal: triangles at the vertex with the same rounded normal share this part of it.
     struct Part {
         uint32_t vertex;
         int16_t x, y, z;

@@ -8,7 +8,7 @@ namespace {
 // Columns: right, up, back.
 glm::dmat3 cameraFrame(const Camera& camera) {
     const glm::dvec3 back = glm::normalize(glm::dvec3(camera.eye) - glm::dvec3(camera.target));
-    // The first that is not along the view.
+    // camera.up, unless it lies along the view: then +Y, or else -Z.
     glm::dvec3 pole(0, 0, -1);
     for (const glm::dvec3& up : {glm::dvec3(0, 1, 0), glm::dvec3(camera.up)})
         if (glm::length(glm::cross(up, back)) > 0.01 * glm::length(up)) pole = up;

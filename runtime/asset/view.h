@@ -1,5 +1,5 @@
 #pragma once
-// What is seen and what it is lit by: the same for the Vulkan renderer and for the ray-traced reference.
+// The camera and the lights of a picture, the same for the Vulkan renderer and for the ray-traced reference.
 #include <vector>
 
 #include "runtime/asset/scene.h"
@@ -11,8 +11,8 @@ struct View {
     Camera camera;
     int width = 960, height = 540;      // pixels; each is the mean of 2 x 2 samples
     std::vector<Light> lights;          // at most MAX_LIGHTS
-    glm::vec3 sky{0.11f, 0.2f, 0.42f};  // radiance, W/m2/sr
-    glm::vec3 albedo{0.8f};
+    glm::vec3 sky{0.11f, 0.2f, 0.42f};  // rgb radiance, W/m2/sr, uniform
+    glm::vec3 albedo{0.8f};             // rgb, 0..1, of all surfaces
 };
 
 // A light at infinity.
@@ -23,10 +23,10 @@ Light directionalLight(const glm::vec3& direction, double radius, const glm::vec
 // A glowing sphere: `centre` and `radius` > 0 in metres, `radiance` rgb in W/m2/sr.
 Light sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance);
 
-// Clip space of Vulkan (y down, depth 1 at `nearest` metres falling to 0 at infinity).
+// World to Vulkan's clip space: y down, depth 1 at `nearest` metres and 0 at infinity. `aspect`: width over height.
 glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest);
 
-// Direction (not unit) through a point of the picture, u and v in 0..1 from its top left corner.
+// World direction, not unit, through the point (u, v) of the picture; u and v are 0..1 from its top left corner.
 glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v);
 
 }  // namespace apertura

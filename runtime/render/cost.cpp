@@ -30,7 +30,7 @@ std::vector<vk::raii::Pipeline> makePipelines(const Gpu& gpu, std::span<const Co
     return out;
 }
 
-// Receivers of all sorts: the cost of a branch shows only where it is taken.
+// Receivers of all kinds, so that the branches of a formula are taken and cost something.
 GpuBuffer makePoints(const Gpu& gpu, int points) {
     std::vector<vec4> values(size_t(points) * (2 + MAX_SLOTS));
     for (size_t i = 0; i < values.size(); ++i) {
@@ -40,12 +40,12 @@ GpuBuffer makePoints(const Gpu& gpu, int points) {
     return upload(gpu, std::as_bytes(std::span(values)), vk::BufferUsageFlagBits::eStorageBuffer);
 }
 
-// A sine of the radius amid those of the class.
+// The sine of a radius typical of the class.
 float typicalSize(int lightClass) {
     return lightClass == LIGHTS_SUN ? 0.00465f : lightClass == LIGHTS_SMALL ? 0.0436f : lightClass == LIGHTS_MEDIUM ? 0.087f : 0.259f;
 }
 
-// The compiler's figures of one pipeline, by their names.
+// Reads the compiler's statistics of one pipeline.
 CompiledCost read(const Gpu& gpu, vk::Pipeline pipeline) {
     const vk::raii::Device& device = gpu.handles().device;
     CompiledCost out;

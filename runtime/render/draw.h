@@ -1,5 +1,5 @@
 #pragma once
-// Passes over triangles that the vertex shader pulls from buffers.
+// Draws triangles whose vertices the vertex shader pulls from buffers.
 #include <glm/glm.hpp>
 #include <span>
 
@@ -9,34 +9,34 @@ namespace apertura {
 
 constexpr vk::Format kDepthFormat = vk::Format::eD32Sfloat;
 
-// What a pass draws with: SPIR-V words, and the fragment shader's constants. Without a fragment shader it
-// draws depth alone.
+// Shaders of a pass, as SPIR-V words. Without a fragment shader the pass draws depth alone.
 struct DrawShaders {
     std::span<const uint32_t> vertex, fragment;
-    std::span<const int32_t> constants;
+    std::span<const int32_t> constants;  // specialisation constants 0, 1, ... of the fragment shader
 };
 
-// A pipeline without vertex input, for a colour image of this format: the greater depth wins.
+// A pipeline without vertex input, for a colour image of this format. The greater depth wins.
 vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour);
 
 struct DrawPass {
     vk::Pipeline pipeline;
     const GpuBindings& bindings;
-    std::span<const uint32_t> offsets;  // of the bindings that are dynamic, bytes
+    std::span<const uint32_t> offsets;  // bytes, one per dynamic binding
 };
 
-// Clears the images (depth to 0) and draws `vertices` vertices. Where the target has no colour, its depth is kept.
+// Clears the images, the colour to `clear` and the depth to 0, and draws `vertices` vertices. The depth is kept only if the
+// target has no colour.
 void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, const DrawPass& pass, uint32_t vertices);
 
-// A target without a window, and its pixels.
+// A target without a window whose pixels can be read. `colour`: a format of at most 16 bytes per pixel.
 class Offscreen {
 public:
     Offscreen(const Gpu& gpu, vk::Extent2D size, vk::Format colour);
 
     RenderTarget target() const;
-    void begin(vk::CommandBuffer commands) const;  // before it is drawn to
-    void end(vk::CommandBuffer commands) const;    // after
-    // Row by row from the top, once the commands have run.
+    void begin(vk::CommandBuffer commands) const;  // record it before the first pass
+    void end(vk::CommandBuffer commands) const;    // record it after the last one
+    // Row by row from the top, in the colour's format; valid once the commands have run.
     const void* pixels() const { return result_.data(); }
 
 private:

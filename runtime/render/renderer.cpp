@@ -54,7 +54,7 @@ GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const Model& model) {
             slots.insert(slots.end(), params.begin(), params.begin() + model.slots);
         }
     }
-    if (slots.empty()) slots.emplace_back(0);  // a buffer cannot be empty
+    if (slots.empty()) slots.emplace_back(0);  // Vulkan allows no empty buffer
     if (slots.size() * sizeof(vec4) > gpu.largestBuffer())
         throw Error(asset.scene.name + ": the parameters of " + std::string(model.name) + " are too large for " + gpu.name());
     return upload(gpu, std::as_bytes(std::span(slots)), vk::BufferUsageFlagBits::eStorageBuffer);
@@ -92,13 +92,13 @@ struct Renderer::Parts {
     const Gpu& gpu;
     const Asset& asset;
     Box box;
-    int frames;  // and one more for what `draw` draws
+    int frames;  // of the caller; `draw` uses one more, number `frames`
     uint32_t indexCount;
     GpuBuffer vertices, indices;
     PerFrame<Frame> lit;
     std::optional<ShadowMap> shadow;
     std::map<int, AllParams> allParams;                                      // by model
-    std::map<std::tuple<int, int, VkFormat>, vk::raii::Pipeline> pipelines;  // by model, class of lights and format
+    std::map<std::tuple<int, int, VkFormat>, vk::raii::Pipeline> pipelines;  // by model, light class and format
 };
 
 int lightClassOf(const View& view) {

@@ -1,5 +1,5 @@
 #pragma once
-// Draws a baked scene with Vulkan, off-screen or to a target of the caller's.
+// Draws a baked scene with Vulkan, off-screen or to the caller's target.
 #include <memory>
 #include <span>
 
@@ -11,35 +11,38 @@
 
 namespace apertura {
 
-// The formulas that the lights of a view need: LIGHTS_...
+// The class that covers all lights of a view, LIGHTS_...; LIGHTS_ANY if one is a sphere.
 int lightClassOf(const View& view);
 
 class Renderer {
 public:
-    // Uploads the geometry, once. `gpu` and `asset` must outlive it. `frames`: how many may be recorded whose
-    // commands the device has not finished.
+    // Uploads the geometry.
+    //   gpu, asset  must outlive the renderer
+    //   frames      frames in flight: how many may be recorded before the device has finished the first; 2 is usual
     Renderer(const Gpu& gpu, const Asset& asset, int frames = 2);
     ~Renderer();
 
-    // Uploads the parameters of a model (made from the four numbers, or the one that the asset stores) and makes
-    // its pipeline, from the one shader, for lights of a class and targets of a format; what is there already it
-    // leaves. Takes up to seconds, and the device's queue: on another thread than the one that records or
-    // submits only while that one does neither. Throws Error where the asset does not hold the model, or its
-    // parameters are too large for the device.
+    // Uploads a model's parameters and creates its pipeline; does nothing if both exist. It takes up to seconds and uses
+    // the device's queue: no other thread may record or submit meanwhile.
+    //   model       the one that the asset stores, or one that is derived from the four numbers
+    //   lightClass  LIGHTS_..., see lightClassOf
+    //   format      of the target's colour
+    // Throws Error if the asset does not hold the model, or its parameters are too large for the device.
     void prepare(const Model& model, int lightClass, VkFormat format);
 
-    // Clears the target to the sky and draws the scene over it. Allocates nothing, waits for nothing and compiles
-    // nothing; the view's width and height do not matter. `frame`, 0 .. frames - 1: the device must have finished
-    // what was recorded with that number before. All frames run on one queue. Throws Error unless the model is
-    // prepared for lightClassOf(view) and the target's format.
+    // Clears the target to the sky and draws the scene over it. Allocates nothing, waits for nothing, compiles nothing.
+    //   view   its width and height are ignored
+    //   frame  0 .. frames - 1; the device must have finished what was recorded with this number before
+    // All frames must run on one queue. Throws Error unless `model` is prepared for lightClassOf(view) and the format.
     void record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame) const;
 
-    // The scene through one model, off-screen. Prepares what is missing. Throws Error as `prepare` does, or where
-    // the picture is too large for the device.
+    // Draws a picture off-screen with one model and prepares what is missing. Throws Error as `prepare` does, or if the
+    // picture is too large for the device.
     Picture draw(const View& view, const Model& model);
 
-    // The same three of the baseline: N.L, a shadow map of 2048 texels a side and percentage-closer soft shadows;
-    // no occlusion of the sky. They draw views with one light, from a direction, and throw Error at others.
+    // The same three functions for the baseline: N.L, a shadow map of 2048 x 2048 texels with percentage-closer soft
+    // shadows, and a sky that nothing blocks. The last two throw Error unless the view has exactly one light, a directional one;
+    // recordShadowMapped also if it is not prepared for the format.
     void prepareShadowMapped(VkFormat format);
     void recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const;
     Picture drawShadowMapped(const View& view);
@@ -49,8 +52,9 @@ private:
     std::unique_ptr<Parts> parts_;
 };
 
-// irradianceThrough and skyIrradiance (x, y) of a model on the device, for each of `inputs`; `lightClass` LIGHTS_... With `half` in
-// 16-bit floats, for a device that offers them.
+// Evaluates a model on the device: x is irradianceThrough, y skyIrradiance, one element per input.
+//   model, lightClass  MODEL_..., LIGHTS_...
+//   half               compute in 16-bit floats; needs Gpu::hasHalf
 std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int lightClass, std::span<const Evaluation> inputs, bool half = false);
 
 }  // namespace apertura

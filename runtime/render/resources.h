@@ -1,7 +1,7 @@
 #pragma once
-// What a Gpu holds, and what is made on it: each owns its Vulkan handles. `make` and `checked` turn a failed
-// call into Error. Only those include it who work with handles: vulkan_raii.hpp takes seconds to compile.
-#define VULKAN_HPP_NO_STRUCT_CONSTRUCTORS  // structs are filled by their fields' names
+// The handles of a Gpu, and the objects created on it, each of which owns its Vulkan handles. A failed call throws Error.
+// Include this only to work with handles: vulkan_raii.hpp takes seconds to compile.
+#define VULKAN_HPP_NO_STRUCT_CONSTRUCTORS  // allows designated initialisers
 #include <vulkan/vulkan_raii.hpp>
 
 #include <cstring>
@@ -14,7 +14,7 @@
 
 namespace apertura {
 
-// Destroyed from the last to the first. `messages` stays where it is: the messenger writes there.
+// Members are destroyed from the last to the first. The messenger writes to `messages`: the struct must not move.
 struct GpuHandles {
     std::vector<std::string> messages;
     vk::raii::Context context;
@@ -26,7 +26,7 @@ struct GpuHandles {
     vk::raii::CommandPool pool = nullptr;
 };
 
-// What `call` returns.
+// Returns what `call` returns; turns vk::SystemError into Error.
 template <class Call>
 auto checked(const Call& call) {
     try {
@@ -36,20 +36,20 @@ auto checked(const Call& call) {
     }
 }
 
-// A new handle of the device, from what its constructor takes beside.
+// Creates a handle on the device. `arguments`: those of its constructor after the device.
 template <class Handle, class... Arguments>
 Handle make(const Gpu& gpu, const Arguments&... arguments) {
     return checked([&] { return Handle(gpu.handles().device, arguments...); });
 }
 
-// A buffer with memory of its own.
+// A buffer with its own memory, of `bytes` bytes or 16, whichever is more.
 class GpuBuffer {
 public:
     enum class Place { Device, Host };
     GpuBuffer(const Gpu& gpu, VkDeviceSize bytes, vk::BufferUsageFlags usage, Place place);
 
     vk::Buffer handle() const { return *buffer_; }
-    void* data() const { return mapped_; }  // Host only; coherent
+    void* data() const { return mapped_; }  // Place::Host only, else null; coherent
 
 private:
     vk::raii::DeviceMemory memory_ = nullptr;
@@ -60,14 +60,14 @@ private:
 // A buffer in device memory that holds `bytes`.
 GpuBuffer upload(const Gpu& gpu, std::span<const std::byte> bytes, vk::BufferUsageFlags usage);
 
-// A two-dimensional image with one view and memory of its own.
+// A two-dimensional image with one view and its own memory.
 class GpuImage {
 public:
     GpuImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, vk::ImageUsageFlags usage, vk::ImageAspectFlags aspect);
 
     vk::Image handle() const { return *image_; }
     vk::ImageView view() const { return *view_; }
-    // Moves it between layouts, with a full barrier.
+    // Changes the layout, with a full barrier.
     void transition(vk::CommandBuffer commands, vk::ImageLayout from, vk::ImageLayout to) const;
 
 private:
@@ -80,21 +80,21 @@ private:
 // Makes what `stage` wrote with `access` visible to the host once the commands have run.
 void letHostRead(vk::CommandBuffer commands, vk::PipelineStageFlags2 stage, vk::AccessFlags2 access);
 
-// One descriptor set of buffers, bindings 0, 1, ..., and a pipeline layout for it. Where a buffer is null
-// there is the layout alone, to compile for.
+// One descriptor set with bindings 0, 1, ... and its pipeline layout. If a buffer is null there is the layout alone, which
+// is enough to compile pipelines.
 class GpuBindings {
 public:
     struct Binding {
         vk::DescriptorType type;
         vk::ShaderStageFlags stages;
         const GpuBuffer* buffer;
-        const GpuImage* image = nullptr;     // in SHADER_READ_ONLY_OPTIMAL, instead of a buffer
+        const GpuImage* image = nullptr;     // instead of a buffer, in SHADER_READ_ONLY_OPTIMAL
         VkDeviceSize range = VK_WHOLE_SIZE;  // of the buffer, bytes
     };
     GpuBindings(const Gpu& gpu, std::span<const Binding> bindings);
 
     vk::PipelineLayout layout() const { return *layout_; }
-    // `offsets`, bytes: one for each dynamic buffer, in the order of the bindings.
+    // `offsets`: bytes, one per dynamic buffer, in the order of the bindings.
     void bind(vk::CommandBuffer commands, vk::PipelineBindPoint point, std::span<const uint32_t> offsets = {}) const;
 
 private:
@@ -104,14 +104,14 @@ private:
     vk::raii::PipelineLayout layout_ = nullptr;
 };
 
-// A T for each frame in flight: a uniform buffer that is bound at a frame's offset.
+// One T per frame in flight, in a uniform buffer that is bound at the frame's offset.
 template <class T>
 class PerFrame {
 public:
     PerFrame(const Gpu& gpu, int frames)
         : buffer_(gpu, VkDeviceSize(offset(frames)), vk::BufferUsageFlagBits::eUniformBuffer, GpuBuffer::Place::Host) {}
 
-    // In whole 256 bytes, the most that Vulkan lets a device ask for.
+    // Bytes. A multiple of 256, the largest alignment that Vulkan lets a device require.
     static uint32_t offset(int frame) { return uint32_t(frame) * ((sizeof(T) + 255) / 256 * 256); }
     void set(int frame, const T& value) const {
         std::memcpy(static_cast<std::byte*>(buffer_.data()) + offset(frame), &value, sizeof value);
@@ -124,7 +124,7 @@ private:
     GpuBuffer buffer_;
 };
 
-// The values of specialisation constants 0, 1, ...; `values` must outlive it.
+// Values of the specialisation constants 0, 1, ...; `values` must outlive the struct.
 struct Constants {
     explicit Constants(std::span<const int32_t> values);
     Constants(const Constants&) = delete;
@@ -132,7 +132,7 @@ struct Constants {
     vk::SpecializationInfo info;
 };
 
-// A compute pipeline of the SPIR-V in `words`.
+// A compute pipeline, and a shader module, from SPIR-V in `words`. `constants`: specialisation constants 0, 1, ...
 vk::raii::Pipeline makeComputePipeline(const Gpu& gpu, std::span<const uint32_t> words, std::span<const int32_t> constants,
                                        const GpuBindings& bindings, vk::PipelineCreateFlags flags = {});
 vk::raii::ShaderModule makeShader(const Gpu& gpu, std::span<const uint32_t> words);

@@ -11,11 +11,11 @@
 namespace apertura {
 namespace {
 
-constexpr uint32_t kTexels = 2048;  // a side
+constexpr uint32_t kTexels = 2048;  // per side
 
 constexpr vk::ShaderStageFlags kBoth = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
 
-// What both passes read; the one that shades reads `map`, too.
+// Bindings of a pass: `shared`, which both passes read, and `map` for the pass that shades.
 GpuBindings makeBindings(const Gpu& gpu, std::initializer_list<GpuBindings::Binding> shared, const GpuImage* map) {
     std::vector<GpuBindings::Binding> all(shared);
     if (map) all.push_back({vk::DescriptorType::eSampledImage, vk::ShaderStageFlagBits::eFragment, nullptr, map});
@@ -35,7 +35,7 @@ ShadowView seenFrom(const Light& light, const Box& bounds) {
         high = glm::max(high, seen);
     }
     const vec3 size = glm::max(high - low, vec3(1e-6f)) * 1.02f, centre = 0.5f * (low + high);
-    // Rows: x and y over the extent, z from 0 at the far end to 1 at the near one.
+    // Rows of the matrix: x and y cover the extent, z is 0 at the far end and 1 at the near one.
     auto row = [](const vec3& axis, float scale, float shift) { return vec4(axis * scale, shift); };
     ShadowView view;
     view.toLight = transpose(mat4(row(right, 2 / size.x, -2 * centre.x / size.x), row(up, -2 / size.y, 2 * centre.y / size.y),
@@ -70,7 +70,7 @@ void ShadowMap::record(vk::CommandBuffer commands, const RenderTarget& target, c
     if (shading == shading_.end()) throw Error("the shadow map is not prepared for this format");
     seen_.set(frame, seenFrom(view.lights[0], bounds_));
     const uint32_t offsets[] = {PerFrame<Frame>::offset(frame), PerFrame<ShadowView>::offset(frame)};
-    // The map is one for all frames: the barrier waits until the last of them has read it.
+    // All frames share the map: the barrier makes the device wait until the last frame has read it.
     map_.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eDepthAttachmentOptimal);
     const RenderTarget map{.depth = map_.view(), .size = {kTexels, kTexels}};
     drawTriangles(commands, map, vec3(0), {*mapping_, mapBindings_, offsets}, vertices);

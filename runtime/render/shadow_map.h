@@ -1,5 +1,5 @@
 #pragma once
-// The baseline that a user would otherwise pick: a shadow map with percentage-closer soft shadows.
+// The usual alternative, as a baseline: a shadow map with percentage-closer soft shadows.
 #include <map>
 
 #include "runtime/asset/view.h"
@@ -9,13 +9,18 @@ namespace apertura {
 
 class ShadowMap {
 public:
-    // Over the renderer's buffers, which must outlive it; `bounds` is the scene's, metres.
+    // The first four are the renderer's and must outlive the shadow map.
+    //   bounds  of the scene, world, metres
+    //   frames  slots for record()
     ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds,
               int frames);
 
-    // Makes the pipeline for targets of this format.
+    // Creates the pipeline for targets of this format.
     void prepare(const Gpu& gpu, VkFormat format);
-    // Draws the map of the view's one light, from a direction, and what it shades. Throws Error if not prepared.
+    // Draws the map of the view's one directional light, then the scene with it. Throws Error if the target's format is not
+    // prepared.
+    //   frame     0 .. frames - 1
+    //   vertices  to draw, three per triangle
     void record(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame, uint32_t vertices) const;
 
 private:

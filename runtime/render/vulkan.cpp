@@ -16,7 +16,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keepMessage(VkDebugUtilsMessageSeverityFlagBitsEX
     return VK_FALSE;
 }
 
-// The family with graphics and compute; UINT32_MAX where the device has none or is too old.
+// The queue family with graphics and compute; UINT32_MAX if there is none or the device lacks Vulkan 1.3.
 uint32_t usableFamily(const vk::raii::PhysicalDevice& physical) {
     if (physical.getProperties().apiVersion < VK_API_VERSION_1_3) return UINT32_MAX;
     constexpr vk::QueueFlags both = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
@@ -60,7 +60,7 @@ void makeInstance(GpuHandles& out, bool validate) {
     if (validate) out.messenger = vk::raii::DebugUtilsMessengerEXT(out.instance, messenger);
 }
 
-// Device, queue and pool, of `out.physical`.
+// Creates device, queue and command pool of `out.physical`.
 void makeDevice(GpuHandles& out, bool half, bool statistics) {
     const uint32_t family = usableFamily(out.physical);
     const float priority = 1;
@@ -69,7 +69,7 @@ void makeDevice(GpuHandles& out, bool half, bool statistics) {
     vk::PhysicalDeviceVulkan13Features features{.pNext = statistics ? &executables : nullptr,
                                                 .synchronization2 = true,
                                                 .dynamicRendering = true,
-                                                .maintenance4 = true};  // glslang states workgroup sizes by id
+                                                .maintenance4 = true};  // glslang writes workgroup sizes as LocalSizeId
     const vk::PhysicalDeviceVulkan12Features more{.pNext = &features, .shaderFloat16 = half};
     const char* const extension = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
     out.device = vk::raii::Device(out.physical, vk::DeviceCreateInfo{.pNext = &more,

@@ -1,5 +1,5 @@
 #pragma once
-// A Vulkan device without a window, and where it draws. Every call that fails throws Error naming the call.
+// A Vulkan device without a window, and the targets that it draws to. Every Vulkan call that fails throws Error naming it.
 #include <vulkan/vulkan.h>
 
 #include <cstdint>
@@ -17,7 +17,8 @@ struct GpuOptions {
 
 struct GpuHandles;  // runtime/render/resources.h
 
-// One device and one queue with graphics and compute; a GPU is preferred to a processor.
+// One device with Vulkan 1.3 and one queue with graphics and compute. A GPU is preferred to a software device. The
+// constructor throws Error if there is none, or no validation layer where that is asked for.
 class Gpu {
 public:
     explicit Gpu(const GpuOptions& options = {});
@@ -25,14 +26,14 @@ public:
 
     const GpuHandles& handles() const { return *handles_; }
     const std::string& name() const { return name_; }
-    uint32_t largestImage() const { return largestImage_; }        // pixels a side
+    uint32_t largestImage() const { return largestImage_; }        // pixels per side
     bool hasHalf() const { return hasHalf_; }                      // shaders may compute in 16-bit floats
-    double clockTick() const { return clockTick_; }                // seconds a timestamp; 0 where there are none
-    VkDeviceSize largestBuffer() const { return largestBuffer_; }  // bytes that a shader can read
-    // Warnings and errors of the validation layer so far.
+    double clockTick() const { return clockTick_; }                // seconds per timestamp tick; 0: no timestamps
+    VkDeviceSize largestBuffer() const { return largestBuffer_; }  // bytes of a storage buffer
+    // Warnings and errors of the validation layer so far; empty without GpuOptions::validate.
     const std::vector<std::string>& messages() const;
 
-    // Records commands, runs them and waits for their end.
+    // Calls `record`, submits what it recorded and waits until the device has finished.
     void run(const std::function<void(VkCommandBuffer)>& record) const;
 
 private:
@@ -44,12 +45,12 @@ private:
     std::string name_;
 };
 
-// Images of one size, of a swapchain or others. Pixels hold linear radiance: for a display, a format that
-// encodes sRGB by itself.
+// Images to draw to, from a swapchain or elsewhere, all of one size. Pixels hold linear radiance: use an _SRGB format for
+// a display.
 struct RenderTarget {
     VkImageView colour;  // in COLOR_ATTACHMENT_OPTIMAL
     VkFormat format;     // of `colour`
-    VkImageView depth;   // D32_SFLOAT, in DEPTH_ATTACHMENT_OPTIMAL; holds nothing before or after
+    VkImageView depth;   // D32_SFLOAT, in DEPTH_ATTACHMENT_OPTIMAL; its content is not used and not kept
     VkExtent2D size;     // pixels
 };
 
