@@ -166,8 +166,8 @@ Picture Renderer::draw(const View& view, const Model& model) {
 
 void Renderer::prepareShadowMapped(VkFormat format) {
     Parts& p = *parts_;
-    if (!p.shadow) p.shadow.emplace(p.gpu, p.lit, p.vertices, p.indices, p.box, p.frames + 1);
-    p.shadow->prepare(p.gpu, format);
+    ShadowMap& shadow = p.shadow ? *p.shadow : p.shadow.emplace(p.gpu, p.lit, p.vertices, p.indices, p.box, p.frames + 1);
+    shadow.prepare(p.gpu, format);
 }
 
 void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const {
