@@ -118,7 +118,7 @@ constexpr Model kModels[] = {
     {.id = MODEL_AUTO, .name = "auto", .kind = Kind::Choice, .numbers = 0, .slots = 5, .what = "the least model, chosen for each point"},
 };
 // clang-format on
-static_assert(std::size(kModels) == MODEL_COUNT, "every MODEL_... of shaders/receiver.glsl has a row here");
+static_assert(std::size(kModels) == MODEL_COUNT, "MODEL_COUNT of shaders/receiver.glsl is the number of rows, one for every MODEL_...");
 
 constexpr int autoCount() {
     return int(std::count_if(std::begin(kModels), std::end(kModels), [](const Model& model) { return model.autoTag >= 0; }));

@@ -17,14 +17,18 @@ using ModelParams = std::array<vec4, MAX_SLOTS>;
 // What a model stores, in the slots of its parameters from the first on. Each field is packed as numbers in -1..1.
 enum class Field {
     None,      // ends the list
-    Cap,       // an aperture; 3 numbers: the axis (octahedral mapping) and radius / pi
-    Lobe,      // slope and offset; 4 numbers: the slope's axis (octahedral mapping), its length, and the edge
-    HardLobe,  // a lobe whose slope has the length kHardSharpness; 3 numbers: axis and edge
+    Cap,       // an aperture; 3 numbers: x and y of the axis by octahedral mapping, and radius / pi
+    Lobe,      // slope s and offset o; 4 numbers: x and y of the slope's axis, |s| / (|s| + 4), and the edge o / sqrt(1 + s^2 + o^2)
+    HardLobe,  // a lobe with |s| = kHardSharpness; 3 numbers: x and y of its axis, and 1/2 + edge / 2
     Bend,      // a SoftQuadric's bend, in two slots; 5 numbers
     Heights,   // sines of elevation at 16 azimuths, in four slots; 16 numbers
     Bands2,    // SH coefficients of band 2, in two slots; 5 numbers
     Bands4,    // SH coefficients of bands 2 to 4, in six slots; 21 numbers
 };
+
+// The third number of a cap or a lobe is never negative by itself; its sign is a flag. The first field's is set where a Combination
+// has its complement or, in `anti`, where the cap is an anti-cap. With three and four hard lobes, the second field's is set where
+// lobes 0 and 1 are a pair, and with four, the third's where lobes 2 and 3 are one too.
 
 // The length of the slope of lobes that do not store one.
 constexpr float kHardSharpness = 60;
@@ -32,9 +36,9 @@ constexpr float kHardSharpness = 60;
 // What a model is, as far as code beside its formula depends on it: how parameters are completed at load, which slot
 // holds the flags of a Combination, and whether its integral over a light has a closed form.
 enum class ModelKind {
-    Formula,   // nothing beside its formula
+    Formula,   // nothing beside its formula; one cap with a law of its own is this, and not Aperture
     Area,      // the visible area alone
-    Aperture,  // one cap
+    Aperture,  // one cap with a hard edge: the exact reference is the overlap of caps
     Anti,      // a cap, an anti-cap, or a blend
     CapAnti,   // the intersection of two caps, or its complement
     Union,     // the union of `parts` caps
@@ -48,10 +52,12 @@ struct Model {
     int id;                 // MODEL_..., the shader's specialisation constant
     std::string_view name;  // on the command line
     ModelKind kind = ModelKind::Formula;
-    int parts = 1;          // caps or lobes
-    int numbers;            // a point's numbers that the light's formula reads
-    int slots = 0;          // vec4s of its parameters, 0..MAX_SLOTS
-    bool mixes = false;     // true: parameters may be interpolated; false: the light at the three corners is
+    int parts = 1;  // caps or lobes
+    int numbers;    // a point's numbers that the light's formula reads
+    int slots = 0;  // vec4s of its parameters, 0..MAX_SLOTS
+    // true: parameters may be interpolated, and the mix lies between its ends in every direction (a baseline's need not). false: the
+    // light at the three corners of a triangle is interpolated. A model that mixes axes has a case in `renormalised`.
+    bool mixes = false;
     bool baseline = false;  // a rival, or a method as published: kept as it is where it fails
     // Makes the parameters from the four numbers; `normal` is unit. nullptr for models that must be stored.
     ModelParams (*fromVisibility)(const Visibility&, const vec3& normal) = nullptr;
@@ -62,7 +68,9 @@ struct Model {
     bool isStored() const { return stored[0] != Field::None || kind == ModelKind::Choice; }
     // The slot of the lobes' Combination; -1 where there is none. For two caps it is the slot of TwoCaps' weight, which
     // stands where a Combination has its complement.
-    int flagSlot() const { return kind == ModelKind::Lobes ? parts : kind == ModelKind::Anti || kind == ModelKind::CapAnti ? 2 : -1; }
+    int flagSlot() const {
+        return kind == ModelKind::Lobes && parts > 1 ? parts : kind == ModelKind::Anti || kind == ModelKind::CapAnti ? 2 : -1;
+    }
 };
 
 // All models: models()[id].id == id. Throws std::logic_error where a model has no formula.

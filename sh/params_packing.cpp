@@ -185,14 +185,14 @@ void packParams(const Model& model, const ModelParams& params, std::span<float> 
     const Combination combination = combinationIn(params[size_t(model.flagSlot())]);
     if (combination.complement > 0.5f) setFlag(numbers[2]);
     if (mayPair(model) && combination.pairs > 0.5f) setFlag(numbers[5]);
-    if (mayPair(model) && combination.pairs > 1.5f) setFlag(numbers[8]);
+    if (mayPair(model) && model.parts >= 4 && combination.pairs > 1.5f) setFlag(numbers[8]);
 }
 
 ModelParams unpackParams(const Model& model, std::span<const float> numbers) {
     ModelParams params{};
     forFields(model, [&](const Packing& packing, size_t number, size_t slot) { packing.unpack(&numbers[number], &params[slot]); });
     if (model.flagSlot() < 0 || !model.isStored()) return params;
-    const float pairs = mayPair(model) ? float(numbers[5] < 0) + float(numbers[8] < 0) : 0;
+    const float pairs = mayPair(model) ? float(numbers[5] < 0) + float(model.parts >= 4 && numbers[8] < 0) : 0;
     params[size_t(model.flagSlot())] = withCombination(vec4(0), {numbers[2] < 0 ? 1.0f : 0.0f, pairs});
     return params;
 }

@@ -46,7 +46,7 @@ const int MAX_SLOTS = 6;
 struct Receiver {
     lpvec3 normal;             // unit
     lpvec4 visibility;         // D, A, sr
-    lpvec4 params[MAX_SLOTS];  // unit axes; see renormalised
+    lpvec4 params[MAX_SLOTS];  // apertures have unit axes: see renormalised
 };
 
 APERTURA_FN SoftAperture softIn(lpvec4 slot) { return SoftAperture(lpvec3(slot), slot.w); }

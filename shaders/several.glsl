@@ -65,7 +65,7 @@ APERTURA_FN lpfloat irradianceThroughLobes(Receiver receiver, int count, CapLigh
     return unoccludedIrradiance(n, light, lightClass) * visible;
 }
 
-// The fraction of a cap light, 0..1, that at least one of `count` apertures, 2 to 4, lets through: 1 - the product of
+// The fraction of a cap light, 0..1, that at least one of `count` apertures, 1 to 4, lets through: 1 - the product of
 // what each blocks.
 APERTURA_FN lpfloat visibleFractionOfUnion(Receiver receiver, int count, CapLight light, int lightClass) {
     lpvec4 kept = lpvec4(lpfloat(1.0));

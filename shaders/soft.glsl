@@ -8,7 +8,7 @@
 
 // The open directions around a point, soft-edged.
 struct SoftAperture {
-    lpvec3 slope;  // towards the open side; its length is the sharpness: 0 an even haze, 10 a hard edge
+    lpvec3 slope;  // towards the open side; its length is the sharpness: 0 an even haze, 10 a soft edge, 60 a hard one
     lpfloat offset;
 };
 

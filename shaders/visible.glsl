@@ -6,13 +6,12 @@
 
 struct LightVisibility {
     lpfloat mean;  // E / E unoccluded, 0..1
-    // The direction in which visibility grows across the light, as long as its edge is hard: the mean is that of a step of
-    // dot(slope, w). Zero where the model knows of no edge: then the visibility counts as even.
+    // The gradient of visibility across the light; its length is the sharpness of the edge, as if V(w) = softStep(offset + dot(slope, w)).
+    // Zero for models without a case below: their visibility counts as even over the light.
     lpvec3 slope;
 };
 
-// The slope of `count` lobes that are combined: the sum of theirs, each by how much of its edge lies in the light, p (1 - p), and
-// by what the others let through of it. `partial`: the derivative of the combination by each.
+// The slope of `count` lobes that are combined: the sum over lobes k of dV/dp_k 4 p_k (1 - p_k) slope_k, with V the combination.
 APERTURA_FN lpvec3 slopeOfLobes(Receiver receiver, int count, CapLight light) {
     Combination c = combinationIn(receiver.params[count]);
     lpvec4 p = lpvec4(lpfloat(1.0));

@@ -2,7 +2,8 @@
 
     add_model.py FOLDER     FOLDER: where the copy goes and is built; it is kept, so that a second run is short
 
-One is made from the four numbers: a cap whose opacity falls off linearly to its rim. The other is stored: one fitted cap.
+One is made from the four numbers: a cap whose opacity falls off linearly to its rim, at the
+light's centre (which steps too far under large lights: it is a baseline). The other is stored: one fitted cap.
 """
 import json
 import pathlib
@@ -27,16 +28,18 @@ def add(folder):
     receiver.write_text(receiver.read_text().replace(f"MODEL_COUNT = {count};", f"MODEL_COUNT = {count + 2};"))
     models = folder / "shaders/models.glsl"
     insert(models, "        default: break;\n    }\n    return e;", """\
-        case MODEL_FALLOFF: e = open * max(1.0f - capHeightTo(receiver.params[0], light) / max(receiver.params[0].w, 1e-6f), 0.0f); break;
+        case MODEL_FALLOFF: e = open * falloffTo(receiver.params[0], light); break;
         case MODEL_MULTI_1: e = open * visibleFractionOfUnion(receiver, 1, light, lightClass); break;
 """)
     insert(models, "// E of a cap light at the receiver, by the formula", """\
-APERTURA_FN float capHeightTo(vec4 aperture, CapLight light) { return 1.0f - dot(vec3(aperture), light.axis); }
+APERTURA_FN lpfloat falloffTo(lpvec4 cap, CapLight light) {
+    return max(cap.w - lpfloat(1.0) + dot(lpvec3(cap), light.axis), lpfloat(0.0)) / max(cap.w, lpsmall(1e-6));
+}
 
 """)
     table = folder / "sh/models.cpp"
     insert(table, "};\n// clang-format on\nstatic_assert(std::size(kModels)", """\
-    {.id = MODEL_FALLOFF, .name = "falloff", .numbers = 3, .slots = 1, .mixes = true, .fromVisibility = oneCap, .what = "linear falloff"},
+    {.id = MODEL_FALLOFF, .name = "falloff", .numbers = 3, .slots = 1, .baseline = true, .fromVisibility = oneCap, .what = "linear falloff"},
     {.id = MODEL_MULTI_1, .name = "multi-1", .kind = Kind::Union, .parts = 1, .numbers = 3, .slots = 2, .stored = {Cap}, .what = "one aperture"},
 """)
     insert(folder / "bake/fit/fit.cpp", '    {"auto", "fit"', """\

@@ -31,19 +31,19 @@ int main(int argc, char** argv) {
     CLI::App program{"Ambient aperture lighting from four spherical-harmonics coefficients", "apertura"};
     program.set_version_flag("--version", "apertura " APERTURA_VERSION);
     program.require_subcommand(1);
-    apertura::addBakeCommand(program);
-    apertura::addInfoCommand(program);
-    apertura::addRenderCommand(program);
-    apertura::addCompareCommand(program);
-    apertura::addChartCommand(program);
-    apertura::addStabilityCommand(program);
-    apertura::catchInterrupts();
-    std::signal(SIGXFSZ, SIG_IGN);  // too large a file is then an error of write()
-    const auto verbs = program.get_subcommands([](const CLI::App*) { return true; });
-    if (argc > 1 && argv[1][0] != '-'
-        && std::none_of(verbs.begin(), verbs.end(), [&](const CLI::App* verb) { return verb->get_name() == argv[1]; }))
-        return fail(2, std::string("there is no verb '") + argv[1] + "' (see apertura --help)");
     try {
+        apertura::addBakeCommand(program);
+        apertura::addInfoCommand(program);
+        apertura::addRenderCommand(program);
+        apertura::addCompareCommand(program);
+        apertura::addChartCommand(program);
+        apertura::addStabilityCommand(program);
+        apertura::catchInterrupts();
+        std::signal(SIGXFSZ, SIG_IGN);  // too large a file is then an error of write()
+        const auto verbs = program.get_subcommands([](const CLI::App*) { return true; });
+        if (argc > 1 && argv[1][0] != '-'
+            && std::none_of(verbs.begin(), verbs.end(), [&](const CLI::App* verb) { return verb->get_name() == argv[1]; }))
+            return fail(2, std::string("there is no verb '") + argv[1] + "' (see apertura --help)");
         program.parse(argc, argv);
         return finish(0);
     } catch (const CLI::Success& help) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "bake/fit/choose.h"
 #include "runtime/asset/error.h"
@@ -197,7 +198,14 @@ FitTools::Use useOf(const Recipe& recipe) {
     return recipe.source == "fit" && recipe.model >= 0 ? FitTools::Use::Fits : FitTools::Use::Samples;
 }
 
-std::span<const Recipe> recipes() { return kRecipes; }
+std::span<const Recipe> recipes() {
+    static const bool allThere = std::all_of(models().begin(), models().end(), [](const Model& model) {
+        return model.fromVisibility
+            || std::any_of(std::begin(kRecipes), std::end(kRecipes), [&](const Recipe& r) { return r.model == model.id; });
+    });
+    if (!allThere) throw std::logic_error("a stored model of sh/models.cpp has no recipe in bake/fit/fit.cpp");
+    return kRecipes;
+}
 
 const Recipe* findRecipe(std::string_view name) {
     for (const Recipe& recipe : kRecipes)

@@ -370,8 +370,6 @@ const Model* storedModel(const BakeInfo& info) {
     return model && model->isStored() ? model : nullptr;
 }
 
-bool mayMix(const Model& model, bool stored) { return model.mixes && !(stored && model.fromVisibility); }
-
 double bytesAPoint(const Asset& asset) {
     const Model* stored = storedModel(asset.info);
     double numbers = 0, points = 0;

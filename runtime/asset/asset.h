@@ -39,10 +39,6 @@ struct Asset {
 // The model whose parameters the asset stores; nullptr if it stores the four numbers alone.
 const Model* storedModel(const BakeInfo& info);
 
-// True if a model's parameters may be interpolated between vertices. That is Model::mixes, but not for stored parameters of
-// a model that can also be derived from the four numbers: these can differ in kind from vertex to vertex.
-bool mayMix(const Model& model, bool stored);
-
 // Mean bytes per vertex: the four numbers and what is stored beside them.
 double bytesAPoint(const Asset& asset);
 

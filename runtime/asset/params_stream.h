@@ -3,7 +3,8 @@
 //   a model of fixed size   its numbers, vertex after vertex
 //   auto                    one byte per vertex: the autoTag of its choice, plus 128 if no model came within the
 //                           tolerance; then the numbers of each choice, vertex after vertex
-// A number is a normalised signed byte or short (little-endian), as in _VISIBILITY.
+// A number is a normalised signed byte or short (little-endian), as in _VISIBILITY. Field in sh/models.h says what the numbers of a
+// model are, and which signs are flags.
 #include <cstddef>
 #include <span>
 #include <string>

@@ -21,7 +21,7 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
         for (size_t k = 0; k < MAX_SLOTS; ++k) mix[k] += w * params[k];
         corners.emplace_back(w, toReceiver(seen.visibility[v], params, normal));
     }
-    if (!mayMix(model, stored)) return corners;
+    if (!model.mixes) return corners;
     return {{1.0f, renormalised(model.id, toReceiver(visibility, mix, normal))}};
 }
 

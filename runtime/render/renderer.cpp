@@ -144,7 +144,7 @@ void Renderer::prepare(const Model& model, int lightClass, VkFormat format) {
     const GpuBindings& bindings = parts_->paramsOf(model).bindings;
     const std::tuple key(model.id, lightClass, format);
     if (parts_->pipelines.contains(key)) return;
-    const int32_t constants[] = {model.id, lightClass, model.slots, mayMix(model, storedModel(parts_->asset.info) == &model)};
+    const int32_t constants[] = {model.id, lightClass, model.slots, model.mixes};
     parts_->pipelines.emplace(key, makePipeline(parts_->gpu, {scene_vert, scene_frag, constants}, bindings, vk::Format(format)));
 }
 
