@@ -1,7 +1,6 @@
 #include "sh/models.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <stdexcept>
 
@@ -188,8 +187,8 @@ std::span<const Model* const> autoModels() { return kAutoModels; }
 const Model& chosenModel(const Model& model, const ModelParams& params) {
     if (model.kind != ModelKind::Choice) return model;
     const int id = choiceIn(params[CHOICE_SLOT]).model;
-    assert(id >= 0 && id < MODEL_COUNT && kModels[id].autoTag >= 0);
-    return kModels[std::clamp(id, 0, MODEL_COUNT - 1)];
+    if (id < 0 || id >= MODEL_COUNT || kModels[id].autoTag < 0) throw std::logic_error("parameters of `auto` hold no choice");
+    return kModels[id];
 }
 
 void setChoice(ModelParams& params, const Model& chosen, bool outOfReach) {

@@ -86,9 +86,11 @@ const Model* findModel(std::string_view name);
 // The models that `auto` may choose, in the order of their autoTag: 0, 1, ...
 std::span<const Model* const> autoModels();
 
-// The model that the parameters belong to: `model` itself or, for MODEL_AUTO, the one that setChoice wrote into them,
-// which is one of autoModels(). `outOfReach`: no model came within the tolerance.
+// The model that parameters are of: `model` itself or, for `auto`, the one that was chosen. Throws std::logic_error where parameters of
+// `auto` hold no choice of one of autoModels().
 const Model& chosenModel(const Model& model, const ModelParams& params);
+
+// Writes the choice of `auto` into parameters. `outOfReach`: no model came within the tolerance.
 void setChoice(ModelParams& params, const Model& chosen, bool outOfReach);
 
 // How many numbers in -1..1 one point of the model stores beside its Visibility; 0 for models made from that. MODEL_AUTO

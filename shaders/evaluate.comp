@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "evaluate.glsl"
+#include "visible.glsl"
 
 layout(constant_id = 0) const int model = MODEL_SOFT;
 layout(constant_id = 1) const int lightClass = LIGHTS_ANY;

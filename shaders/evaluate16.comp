@@ -5,6 +5,7 @@
 // is computed in 16.
 #define APERTURA_HALF
 #include "models.glsl"
+#include "visible.glsl"
 
 // The same text again in 32 bits, for what depends on a light alone.
 #undef APERTURA_HALF

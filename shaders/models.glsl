@@ -110,7 +110,8 @@ APERTURA_FN lpfloat skyIrradiance(int model, Receiver receiver) {
         case MODEL_UNSHADOWED: return PI;
         case MODEL_AO: return lpfloat(0.5) * receiver.visibility.w;
         case MODEL_OAT:
-            return lpfloat(2.0) * PI * receiver.params[0].w * max(dot(receiver.normal, lpvec3(receiver.params[0])), lpfloat(0.0));
+            return lpfloat(2.0) * PI * apertureIn(receiver.params[0], lpvec3(lpfloat(0.0))).height
+                 * max(dot(receiver.normal, apertureIn(receiver.params[0], lpvec3(lpfloat(0.0))).axis), lpfloat(0.0));
         default: return max(dot(receiver.normal, lpvec3(receiver.visibility)), lpfloat(0.0));
     }
 }

@@ -42,7 +42,7 @@ const int MAX_SLOTS = 6;
 //   sh-l2, sh-l4     SH coefficients of band 2 and above, in turn
 //   horizon          sines of elevation, in turn
 //   auto             what the chosen model has, and its Choice in CHOICE_SLOT
-// Only the functions below know which component of a slot is what.
+// The functions below, and packing (sh/params_packing.cpp), are all that know which component of a slot is what.
 struct Receiver {
     lpvec3 normal;             // unit
     lpvec4 visibility;         // D, A, sr

@@ -6,12 +6,13 @@
 
 struct LightVisibility {
     lpfloat mean;  // E / E unoccluded, 0..1
-    // The gradient of visibility across the light; its length is the sharpness of the edge, as if V(w) = softStep(offset + dot(slope, w)).
-    // Zero for models without a case below: their visibility counts as even over the light.
+    // Twice the gradient of visibility at the light's centre: that of the one lobe V(w) = softStep(offset + dot(slope, w)) which has its
+    // edge there. Zero for models without a case below: their visibility counts as even over the light.
     lpvec3 slope;
 };
 
-// The slope of `count` lobes that are combined: the sum over lobes k of dV/dp_k 4 p_k (1 - p_k) slope_k, with V the combination.
+// The slope of `count` lobes that are combined: the sum over lobes k of dV/dp_k slope_k / (1 + f_k^2)^1.5, with V the combination, f_k
+// what softStep takes, and 1 / (1 + f^2) = 4 p (1 - p).
 APERTURA_FN lpvec3 slopeOfLobes(Receiver receiver, int count, CapLight light) {
     Combination c = combinationIn(receiver.params[count]);
     lpvec4 p = lpvec4(lpfloat(1.0));
@@ -24,11 +25,14 @@ APERTURA_FN lpvec3 slopeOfLobes(Receiver receiver, int count, CapLight light) {
     lpfloat bySecond = (secondPair ? lpfloat(-1.0) : lpfloat(1.0)) * (firstPair ? lpfloat(1.0) - first : first);
     lpvec4 partial = lpvec4(byFirst * p.y, byFirst * p.x, bySecond * p.w, bySecond * p.z);
     lpvec3 sum = lpvec3(lpfloat(0.0));
-    for (int k = 0; k < count; ++k) sum += partial[k] * lpfloat(4.0) * p[k] * (lpfloat(1.0) - p[k]) * softIn(receiver.params[k]).slope;
+    for (int k = 0; k < count; ++k) {
+        lpfloat middle = max(lpfloat(4.0) * p[k] * (lpfloat(1.0) - p[k]), lpfloat(0.0));
+        sum += partial[k] * middle * sqrt(middle) * softIn(receiver.params[k]).slope;
+    }
     return c.complement > lpfloat(0.5) ? -sum : sum;
 }
 
-// In units of a hard edge's, for models of caps.
+// The sharpness that stands for a cap's hard edge where it crosses the light.
 const lpfloat CAP_SLOPE = lpfloat(100.0);
 
 APERTURA_FN LightVisibility visibilityOfLight(int model, Receiver receiver, CapLight light, int lightClass) {
@@ -37,7 +41,13 @@ APERTURA_FN LightVisibility visibilityOfLight(int model, Receiver receiver, CapL
     v.mean = clamp(irradianceThrough(model, receiver, light, lightClass) / max(open, lpsmall(1e-12)), lpfloat(0.0), lpfloat(1.0));
     switch (model) {
         case MODEL_APERTURE:
-        case MODEL_ALPHA: v.slope = CAP_SLOPE * onlyApertureIn(receiver).axis; break;
+        case MODEL_ALPHA: {
+            // No edge, where the cap holds all of the light or none.
+            lpfloat inside = model == MODEL_ALPHA ? v.mean / max(opacityIn(receiver), lpsmall(1e-6)) : v.mean;
+            inside = clamp(inside, lpfloat(0.0), lpfloat(1.0));
+            v.slope = CAP_SLOPE * lpfloat(4.0) * inside * (lpfloat(1.0) - inside) * onlyApertureIn(receiver).axis;
+            break;
+        }
         case MODEL_SOFT: v.slope = softIn(receiver.params[0]).slope; break;
         case MODEL_FIRM_2:
         case MODEL_SOFT_2: v.slope = slopeOfLobes(receiver, 2, light); break;

@@ -1,6 +1,6 @@
 """Adds two models to a copy of the sources, as README.md says, builds it, and shows that everything finds them.
 
-    add_model.py FOLDER     FOLDER: where the copy goes and is built; it is kept, so that a second run is short
+    add_model.py FOLDER     FOLDER: where the copy goes and is built
 
 One is made from the four numbers: a cap whose opacity falls off linearly to its rim, at the
 light's centre (which steps too far under large lights: it is a baseline). The other is stored: one fitted cap.
@@ -50,10 +50,11 @@ APERTURA_FN lpfloat falloffTo(lpvec4 cap, CapLight light) {
 def main():
     folder = pathlib.Path(sys.argv[1]).resolve()
     folder.mkdir(parents=True, exist_ok=True)
-    for name in subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=SOURCE, check=True, capture_output=True, text=True).stdout.split("\n"):
-        if name and (SOURCE / name).is_file():
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(SOURCE / name, folder / name)
+    for top in ("CMakeLists.txt", "sh", "shaders", "bake", "runtime", "tools", "tests"):
+        for source in [SOURCE / top] if (SOURCE / top).is_file() else sorted(p for p in (SOURCE / top).rglob("*") if p.is_file()):
+            copy = folder / source.relative_to(SOURCE)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, copy)
     add(folder)
     build = folder / "build"
     subprocess.run(["cmake", "-S", folder, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"], check=True, stdout=subprocess.DEVNULL)

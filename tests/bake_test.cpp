@@ -31,6 +31,27 @@ Surface ball(const glm::dvec3& centre, double radius) {
     return surface;
 }
 
+// Every recipe's asset reads back where a mesh has vertices that no triangle uses.
+TEST(Bake, VerticesOfNoTriangleAreClosedAndDoNoHarm) {
+    Surface plane;
+    addPanel(plane, {-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, 1);
+    plane.positions.emplace_back(0.0f, 3.0f, 0.0f);
+    plane.normals.emplace_back(0.0f, 1.0f, 0.0f);
+    const Scene scene = sceneOf(plane);
+    const Tracer tracer(scene);
+    const Folder folder;
+    for (const Recipe& recipe : recipes()) {
+        BakeInfo info;
+        info.model = recipe.name;
+        info.tolerance = 0.05;
+        writeAsset(folder / "o.glb", scene, bakeVertices(scene, tracer, {.recipe = recipe.name, .rays = 32}), info);
+        const Asset asset = readAsset(folder / "o.glb");
+        ASSERT_EQ(asset.seen[0].visibility.size(), plane.positions.size()) << recipe.name;
+        EXPECT_EQ(asset.seen[0].visibility.back().area, 0) << recipe.name;
+        EXPECT_GT(asset.seen[0].visibility.front().area, 6) << recipe.name;
+    }
+}
+
 TEST(Bake, AnOpenPlaneSeesTheWholeHemisphere) {
     Surface plane;
     addPanel(plane, {-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, 1);

@@ -255,6 +255,12 @@ TEST_F(GpuTest, RecordsOnlyWhatIsPrepared) {
     View wider = view;
     wider.lights = {directionalLight({1, 1, 1}, 0.5, vec3(1))};
     EXPECT_THROW(recorded(shown, wider, &soft), Error);
+    View many = view;
+    many.lights.assign(MAX_LIGHTS + 1, view.lights[0]);
+    EXPECT_THROW(recorded(shown, many, &soft), Error);
+    for (const int frame : {-1, 3, 100000})
+        EXPECT_THROW(gpu->run([&](VkCommandBuffer commands) { renderer.record(commands, shown.target(), view, soft, frame); }), Error)
+            << frame;
     // The sky, in the top left corner, is encoded as sRGB.
     recorded(shown, view, &soft);
     const auto* bytes = static_cast<const uint8_t*>(shown.pixels());

@@ -392,8 +392,8 @@ TEST(FormStream, RefusesWhatCannotBe) {
     bytes = {0, 1, 2, 0x80};  // four points without numbers; for the last no model reached the tolerance
     const std::vector<ModelParams> allParams = unpackAllParams(automatic, bytes, 4, mat3(1), 8);
     EXPECT_EQ(chosenModel(automatic, allParams[2]).id, MODEL_SOFT);
-    EXPECT_EQ(allParams[0][4].z, 0);
-    EXPECT_EQ(allParams[3][4].z, 1);
+    EXPECT_FALSE(choiceIn(allParams[0][CHOICE_SLOT]).outOfReach);
+    EXPECT_TRUE(choiceIn(allParams[3][CHOICE_SLOT]).outOfReach);
     bytes[1] = 100;
     EXPECT_THROW(unpackAllParams(automatic, bytes, 4, mat3(1), 8), Error);
 }

@@ -39,6 +39,18 @@ TEST(RotationPart, IsWhatStretchingLeaves) {
     }
 }
 
+TEST(RotationPart, IsWhatStretchingLeavesHoweverFlat) {
+    Random random(2);
+    for (int i = 0; i < 300; ++i) {
+        const glm::dvec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction()));
+        const glm::dmat3 rotation = glm::dmat3(x, y, glm::cross(x, y)) * (i % 2 ? 1.0 : -1.0);
+        const double thin = std::pow(10, -random(0, 16));
+        // Columns in float32 keep their directions, whatever their lengths.
+        const glm::mat3 back = rotationPart(glm::mat4(glm::mat3(rotation[0], rotation[1] * thin, rotation[2] * 0.7 * thin)));
+        for (int c = 0; c < 3; ++c) EXPECT_LT(glm::length(glm::dvec3(back[c]) - rotation[c]), 1e-5) << thin;
+    }
+}
+
 TEST(RotationPart, OfAFlatTransformIsNone) {
     glm::mat4 flat(1);
     flat[0] = {0, 3, 0, 0};

@@ -57,9 +57,11 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
     const std::vector<BakedPoint> baked = bakePoints(source, points, bakeOptions, baking);
     const bool stored = recipeNamed(options.recipe).model >= 0;
     BakedVisibility out;
+    ModelParams closed{};  // of vertices that no triangle uses
+    if (recipeNamed(options.recipe).model == MODEL_AUTO) setChoice(closed, *autoModels()[0], false);
     for (const Instance& instance : scene.instances) {
         const size_t count = scene.surfaces[instance.surface].positions.size();
-        out.push_back({std::vector<Visibility>(count), std::vector<ModelParams>(stored ? count : 0)});
+        out.push_back({std::vector<Visibility>(count), std::vector<ModelParams>(stored ? count : 0, closed)});
     }
     for (size_t k = 0; k < baked.size(); ++k) {
         const auto [instance, vertex] = vertices.places[k];

@@ -8,7 +8,7 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
     const Surface& surface = asset.scene.surfaces[size_t(placed.surface)];
     const SeenByInstance& seen = asset.seen[size_t(instance)];
     const glm::mat3 normals = normalMatrix(placed.toWorld);
-    const bool stored = storedModel(asset.info) == &model;
+    const bool stored = storedModel(asset.info) == &model && !seen.allParams.empty();
     Visibility visibility;
     ModelParams mix{};
     WeightedReceivers corners;

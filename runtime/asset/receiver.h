@@ -10,7 +10,7 @@
 namespace apertura {
 
 // Receivers and weights, which sum to 1: the light of the point is the weighted sum of theirs. One receiver if the model's
-// parameters may be interpolated (mayMix), otherwise those of the triangle's three corners.
+// parameters may be interpolated, otherwise those of the triangle's three corners.
 using WeightedReceivers = std::vector<std::pair<float, Receiver>>;
 
 // The receivers at a point of a triangle.

@@ -1,6 +1,5 @@
 #include "runtime/render/renderer.h"
 
-#include <cassert>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -67,6 +66,10 @@ GpuBuffer uploadGeometry(const Gpu& gpu, const Asset& asset, const std::vector<T
     return upload(gpu, std::as_bytes(std::span(values)), vk::BufferUsageFlagBits::eStorageBuffer);
 }
 
+void requireOneDirectional(const View& view) {
+    if (view.lights.size() != 1 || isSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
+}
+
 }  // namespace
 
 struct Renderer::Parts {
@@ -128,8 +131,8 @@ const Renderer::Parts::AllParams& Renderer::Parts::paramsOf(const Model& model) 
 }
 
 void Renderer::Parts::light(int frame, const View& view, VkExtent2D size) const {
-    assert(frame >= 0 && frame <= frames);
-    assert(view.lights.size() <= size_t(MAX_LIGHTS));
+    if (frame < 0 || frame > frames) throw Error("there is no frame " + std::to_string(frame) + " in flight");
+    if (view.lights.size() > size_t(MAX_LIGHTS)) throw Error("a view has at most " + std::to_string(MAX_LIGHTS) + " lights");
     const float nearest = std::max(1e-4f * glm::length(box.high - box.low), 1e-9f);
     Frame out{};
     out.toClip = clipTransform(view.camera, double(size.width) / size.height, nearest);
@@ -171,13 +174,14 @@ void Renderer::prepareShadowMapped(VkFormat format) {
 }
 
 void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const {
-    if (view.lights.size() != 1 || isSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
+    requireOneDirectional(view);
     if (!parts_->shadow) throw Error("the shadow map is not prepared");
     parts_->light(frame, view, target.size);
     parts_->shadow->record(commands, target, view, frame, parts_->indexCount);
 }
 
 Picture Renderer::drawShadowMapped(const View& view) {
+    requireOneDirectional(view);
     prepareShadowMapped(kPictureFormat);
     return parts_->picture(
         view, [&](VkCommandBuffer commands, const RenderTarget& target) { recordShadowMapped(commands, target, view, parts_->frames); });

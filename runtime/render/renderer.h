@@ -14,6 +14,8 @@ namespace apertura {
 // The class that covers all lights of a view, LIGHTS_...; LIGHTS_ANY if one is a sphere.
 int lightClassOf(const View& view);
 
+// Everything but `record` and `recordShadowMapped` uses the device's queue and changes what is prepared: no other thread may record or
+// submit meanwhile.
 class Renderer {
 public:
     // Uploads the geometry.
@@ -22,8 +24,7 @@ public:
     Renderer(const Gpu& gpu, const Asset& asset, int frames = 2);
     ~Renderer();
 
-    // Uploads a model's parameters and creates its pipeline; does nothing if both exist. It takes up to seconds and uses
-    // the device's queue: no other thread may record or submit meanwhile.
+    // Uploads a model's parameters and creates its pipeline; does nothing if both exist. It takes up to seconds.
     //   model       the one that the asset stores, or one that is derived from the four numbers
     //   lightClass  LIGHTS_..., see lightClassOf
     //   format      of the target's colour
@@ -33,7 +34,8 @@ public:
     // Clears the target to the sky and draws the scene over it. Allocates nothing, waits for nothing, compiles nothing.
     //   view   its width and height are ignored
     //   frame  0 .. frames - 1; the device must have finished what was recorded with this number before
-    // All frames must run on one queue. Throws Error unless `model` is prepared for lightClassOf(view) and the format.
+    // All frames must run on one queue. Throws Error unless `model` is prepared for lightClassOf(view) and the format, and
+    // if `frame` is out of range or the view has more than MAX_LIGHTS lights.
     void record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame) const;
 
     // Draws a picture off-screen with one model and prepares what is missing. Throws Error as `prepare` does, or if the
