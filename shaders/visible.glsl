@@ -6,8 +6,9 @@
 
 struct LightVisibility {
     lpfloat mean;  // E / E unoccluded, 0..1
-    // Twice the gradient of visibility at the light's centre: that of the one lobe V(w) = softStep(offset + dot(slope, w)) which has its
-    // edge there. Zero for models without a case below: their visibility counts as even over the light.
+    // The direction in which visibility grows across the light, as long as its edge is sharp. One lobe: its slope. Several: twice the
+    // gradient of what they let through at the light's centre, which is the slope of one lobe with its edge there. Zero for models
+    // without a case below: their visibility counts as even over the light.
     lpvec3 slope;
 };
 
