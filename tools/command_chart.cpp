@@ -206,6 +206,7 @@ void run(Arguments a) {
         for (const std::string& name : builtinNames()) a.scenes.push_back("builtin:" + name);
     dropRepeats(a.measure.lightRadii);
     std::vector<Scene> scenes;
+    scenes.reserve(a.scenes.size());
     for (const std::string& name : a.scenes) scenes.push_back(loadScene(name, a.map));
     std::error_code failed;
     std::filesystem::create_directories(a.out, failed);

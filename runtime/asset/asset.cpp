@@ -352,8 +352,9 @@ Asset toAsset(Scene scene) {
                 seen.allParams = unpackAllParams(*stored, viewBytes(document, stream->second), seen.visibility.size(), rotation,
                                                  asset.info.bits);
             } catch (const Error& e) {
-                const std::string cause = e.what();
-                throw Error(cause.starts_with(scene.name) ? cause : where + ": " + cause);
+                std::string cause = e.what();
+                if (!cause.starts_with(scene.name)) cause.insert(0, where + ": ");
+                throw Error(cause);
             }
         }
         // Normals were removed from the baked file, and reading it split vertices: all parts of a vertex see the same.

@@ -175,9 +175,10 @@ void Renderer::prepareShadowMapped(VkFormat format) {
 
 void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const {
     requireOneDirectional(view);
-    if (!parts_->shadow) throw Error("the shadow map is not prepared");
+    const std::optional<ShadowMap>& shadow = parts_->shadow;
+    if (!shadow) throw Error("the shadow map is not prepared");
     parts_->light(frame, view, target.size);
-    parts_->shadow->record(commands, target, view, frame, parts_->indexCount);
+    shadow->record(commands, target, view, frame, parts_->indexCount);
 }
 
 Picture Renderer::drawShadowMapped(const View& view) {
