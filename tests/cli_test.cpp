@@ -289,9 +289,9 @@ TEST(Cli, MutantsEndInOneLine) {
     const std::string program = APERTURA_PROGRAM;
     const Folder folder;
 #ifdef __SANITIZE_ADDRESS__
-    const char* runs = "20";
+    const char* runs = "40";
 #else
-    const char* runs = "100";
+    const char* runs = "200";
 #endif
     const std::string command = std::string("/usr/bin/python3 " APERTURA_SOURCE "/tests/mutants.py ") + program
                               + " --jobs 2 --seconds 120 --runs " + runs + " --keep "
