@@ -77,8 +77,8 @@ using Kind = ModelKind;
 constexpr Model kModels[] = {
     {.id = MODEL_UNSHADOWED, .name = "unshadowed", .numbers = 0, .mixes = true, .baseline = true, .fromVisibility = nothing,
      .what = "N.L, no visibility: the baseline of cost"},
-    {.id = MODEL_AO, .name = "ao", .kind = Kind::Area, .numbers = 1, .mixes = true, .baseline = true, .fromVisibility = nothing, .autoTag = 0,
-     .what = "visible area alone"},
+    {.id = MODEL_AO_AREA, .name = "ao-area", .kind = Kind::Area, .numbers = 1, .mixes = true, .baseline = true, .fromVisibility = nothing, .autoTag = 0, .cycles = 1,
+     .what = "visible area over that of the hemisphere, times N.L", .alias = "ao", .ownBytes = 1},
     {.id = MODEL_SH_L1, .name = "sh-l1", .numbers = 4, .mixes = true, .baseline = true, .fromVisibility = nothing,
      .what = "SH bands 0 and 1 of visibility, evaluated at the light"},
     {.id = MODEL_SH_L2, .name = "sh-l2", .numbers = 9, .slots = 2, .mixes = true, .baseline = true, .stored = {Bands2},
@@ -87,24 +87,24 @@ constexpr Model kModels[] = {
      .what = "SH bands 0 to 4"},
     {.id = MODEL_OAT, .name = "oat", .numbers = 3, .slots = 1, .mixes = true, .baseline = true, .fromVisibility = oneCap,
      .what = "aperture, formula as published in 2006"},
-    {.id = MODEL_APERTURE, .name = "aperture", .kind = Kind::Aperture, .numbers = 3, .slots = 2, .fromVisibility = oneCap, .autoTag = 1,
+    {.id = MODEL_APERTURE, .name = "aperture", .kind = Kind::Aperture, .numbers = 3, .slots = 2, .fromVisibility = oneCap, .autoTag = 1, .cycles = 62,
      .what = "aperture, exact overlap of caps within 0.003"},
     {.id = MODEL_ALPHA, .name = "alpha", .kind = Kind::Aperture, .numbers = 4, .slots = 2, .fromVisibility = alphaCap,
      .what = "translucent aperture with all four numbers"},
     {.id = MODEL_ANTI, .name = "anti", .kind = Kind::Anti, .numbers = 4, .slots = 4, .fromVisibility = capAndAnti, .stored = {Cap},
      .what = "aperture, anti-aperture or a blend of both"},
-    {.id = MODEL_SOFT, .name = "soft", .kind = Kind::Lobes, .numbers = 4, .slots = 1, .mixes = true, .fromVisibility = oneLobe, .autoTag = 2,
+    {.id = MODEL_SOFT, .name = "soft", .kind = Kind::Lobes, .numbers = 4, .slots = 1, .mixes = true, .fromVisibility = oneLobe, .autoTag = 2, .cycles = 6,
      .what = "soft-edged aperture, uses all four numbers"},
-    {.id = MODEL_FIRM_2, .name = "firm-2", .kind = Kind::Lobes, .parts = 2, .numbers = 6, .slots = 3, .stored = {HardLobe, HardLobe}, .autoTag = 3,
+    {.id = MODEL_FIRM_2, .name = "firm-2", .kind = Kind::Lobes, .parts = 2, .numbers = 6, .slots = 3, .stored = {HardLobe, HardLobe}, .autoTag = 3, .cycles = 210,
      .what = "two hard-edged lobes"},
-    {.id = MODEL_SOFT_2, .name = "soft-2", .kind = Kind::Lobes, .parts = 2, .numbers = 8, .slots = 3, .stored = {Lobe, Lobe}, .autoTag = 4,
+    {.id = MODEL_SOFT_2, .name = "soft-2", .kind = Kind::Lobes, .parts = 2, .numbers = 8, .slots = 3, .stored = {Lobe, Lobe}, .autoTag = 4, .cycles = 210,
      .what = "two soft lobes"},
-    {.id = MODEL_SOFT_L2, .name = "soft-l2", .kind = Kind::Quadric, .numbers = 9, .slots = 3, .mixes = true, .stored = {Lobe, Bend}, .autoTag = 6,
+    {.id = MODEL_SOFT_L2, .name = "soft-l2", .kind = Kind::Quadric, .numbers = 9, .slots = 3, .mixes = true, .stored = {Lobe, Bend}, .autoTag = 6, .cycles = 102,
      .what = "soft aperture with a quadratic exponent"},
     {.id = MODEL_FIRM_3, .name = "firm-3", .kind = Kind::Lobes, .parts = 3, .numbers = 9, .slots = 4, .stored = {HardLobe, HardLobe, HardLobe},
-     .autoTag = 5, .what = "three hard-edged lobes"},
+     .autoTag = 5, .cycles = 426, .what = "three hard-edged lobes"},
     {.id = MODEL_FIRM_4, .name = "firm-4", .kind = Kind::Lobes, .parts = 4, .numbers = 12, .slots = 5,
-     .stored = {HardLobe, HardLobe, HardLobe, HardLobe}, .autoTag = 7, .what = "four hard-edged lobes"},
+     .stored = {HardLobe, HardLobe, HardLobe, HardLobe}, .autoTag = 7, .cycles = 722, .what = "four hard-edged lobes"},
     {.id = MODEL_MULTI_2, .name = "multi-2", .kind = Kind::Union, .parts = 2, .numbers = 6, .slots = 3, .stored = {Cap, Cap}, .what = "two apertures"},
     {.id = MODEL_MULTI_3, .name = "multi-3", .kind = Kind::Union, .parts = 3, .numbers = 9, .slots = 5, .stored = {Cap, Cap, Cap},
      .what = "three apertures"},
@@ -112,9 +112,35 @@ constexpr Model kModels[] = {
      .what = "four apertures"},
     {.id = MODEL_CAP_ANTI, .name = "cap-anti", .kind = Kind::CapAnti, .parts = 2, .numbers = 6, .slots = 4, .stored = {Cap, Cap},
      .what = "two of aperture and anti-aperture"},
-    {.id = MODEL_HORIZON, .name = "horizon", .numbers = 16, .slots = 4, .baseline = true, .stored = {Heights},
-     .what = "horizon at 16 azimuths: the rival"},
+    {.id = MODEL_HORIZON_16, .name = "horizon-16", .numbers = 16, .slots = 4, .mixes = true, .baseline = true, .stored = {Heights16},
+     .what = "the horizon at 16 azimuths", .alias = "horizon", .ownBytes = 17},
     {.id = MODEL_AUTO, .name = "auto", .kind = Kind::Choice, .numbers = 0, .slots = 5, .what = "the least model, chosen for each point"},
+    {.id = MODEL_AO_COSINE, .name = "ao-cosine", .numbers = 1, .mixes = true, .baseline = true, .fromVisibility = nothing,
+     .what = "cosine-weighted occlusion, as bakers write it, times N.L", .ownBytes = 1},
+    {.id = MODEL_XEGTAO, .name = "xegtao", .numbers = 4, .mixes = true, .baseline = true, .fromVisibility = nothing,
+     .what = "bent normal and occlusion, as XeGTAO lights with them", .ownBytes = 4},
+    {.id = MODEL_XEGTAO_0, .name = "xegtao-0", .numbers = 4, .mixes = true, .baseline = true, .fromVisibility = nothing,
+     .what = "the same without its margin of 0.1", .ownBytes = 4},
+    {.id = MODEL_MICRO_SHADOW, .name = "micro-shadow", .numbers = 1, .mixes = true, .baseline = true, .fromVisibility = nothing,
+     .what = "occlusion and N.L, as Filament lights with them", .ownBytes = 1},
+    {.id = MODEL_BENT_CONES, .name = "bent-cones", .numbers = 4, .mixes = true, .baseline = true, .fromVisibility = nothing,
+     .what = "a cone about the bent normal over the light's cone", .ownBytes = 4},
+    {.id = MODEL_HORIZON_4, .name = "horizon-4", .numbers = 4, .slots = 1, .mixes = true, .baseline = true, .stored = {Heights4},
+     .what = "the horizon at 4 azimuths, in four bytes as Stellarium has it", .ownBytes = 5},
+    {.id = MODEL_HORIZON_8, .name = "horizon-8", .numbers = 8, .slots = 2, .mixes = true, .baseline = true, .stored = {Heights8},
+     .what = "the horizon at 8 azimuths", .ownBytes = 9},
+    {.id = MODEL_HORIZON_32, .name = "horizon-32", .numbers = 32, .slots = 8, .mixes = true, .baseline = true, .stored = {Heights32},
+     .what = "the horizon at 32 azimuths", .ownBytes = 33},
+    {.id = MODEL_CUBE_6, .name = "cube-6", .numbers = 6, .slots = 2, .mixes = true, .baseline = true, .stored = {Faces},
+     .what = "visibility as an ambient cube, in 32 bits", .ownBytes = 4},
+    {.id = MODEL_ZH3, .name = "zh3", .numbers = 5, .slots = 1, .mixes = true, .baseline = true, .stored = {Zonal},
+     .what = "SH bands 0 and 1, and a zonal band 2", .ownBytes = 5},
+    {.id = MODEL_ZH3_GUESS, .name = "zh3-guess", .numbers = 4, .mixes = true, .baseline = true, .fromVisibility = nothing,
+     .what = "the same with the zonal number guessed from the others", .ownBytes = 4},
+    {.id = MODEL_BITS_32, .name = "bits-32", .numbers = 4, .slots = 2, .baseline = true, .stored = {Bits32},
+     .what = "32 sectors of the hemisphere as bits", .ownBytes = 5},
+    {.id = MODEL_BITS_128, .name = "bits-128", .numbers = 16, .slots = 5, .baseline = true, .stored = {Bits128},
+     .what = "128 sectors as bits", .ownBytes = 17},
 };
 // clang-format on
 static_assert(std::size(kModels) == MODEL_COUNT, "MODEL_COUNT of shaders/receiver.glsl is the number of rows, one for every MODEL_...");
@@ -145,7 +171,7 @@ constexpr int slotsNeeded(const Model& model) {
 // True where a row is what the code that reads the table assumes.
 constexpr bool isSound(const Model& model, int place) {
     const bool made = model.fromVisibility || model.stored[0] != None || model.kind == ModelKind::Choice;
-    const bool tagged = model.autoTag < 0 || kAutoModels[size_t(model.autoTag)] == &model;
+    const bool tagged = model.autoTag < 0 ? model.cycles == 0 : model.cycles > 0 && kAutoModels[size_t(model.autoTag)] == &model;
     return model.id == place && made && tagged && !model.name.empty() && !model.what.empty() && model.slots <= MAX_SLOTS
         && model.slots >= slotsNeeded(model);
 }
@@ -178,7 +204,7 @@ std::span<const Model> models() {
 
 const Model* findModel(std::string_view name) {
     for (const Model& model : kModels)
-        if (model.name == name) return &model;
+        if (model.name == name || (!name.empty() && model.alias == name)) return &model;
     return nullptr;
 }
 

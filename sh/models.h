@@ -21,9 +21,16 @@ enum class Field {
     Lobe,      // slope s and offset o; 4 numbers: x and y of the slope's axis, |s| / (|s| + 4), and the edge o / sqrt(1 + s^2 + o^2)
     HardLobe,  // a lobe with |s| = kHardSharpness; 3 numbers: x and y of its axis, and 1/2 + edge / 2
     Bend,      // a SoftQuadric's bend, in two slots; 5 numbers
-    Heights,   // sines of elevation at 16 azimuths, in four slots; 16 numbers
-    Bands2,    // SH coefficients of band 2, in two slots; 5 numbers
-    Bands4,    // SH coefficients of bands 2 to 4, in six slots; 21 numbers
+    Heights4,  // sines of elevation at 4, 8, 16 or 32 azimuths (shaders/horizon.glsl), four to a slot; as many numbers
+    Heights8,
+    Heights16,
+    Heights32,
+    Faces,   // the faces of an ambient cube, in two slots; 6 numbers, 0..1
+    Zonal,   // an SH coefficient of band 2; 1 number, over 0.8
+    Bits32,  // 32 or 128 sectors as bits, 7 to a component; 5 or 19 numbers, each 7 bits over 127
+    Bits128,
+    Bands2,  // SH coefficients of band 2, in two slots; 5 numbers
+    Bands4,  // SH coefficients of bands 2 to 4, in six slots; 21 numbers
 };
 
 // The third number of a cap or a lobe is never negative by itself; its sign is a flag. The first field's is set where a Combination
@@ -53,7 +60,7 @@ struct Model {
     std::string_view name;  // on the command line
     ModelKind kind = ModelKind::Formula;
     int parts = 1;  // caps or lobes
-    int numbers;    // a point's numbers that the light's formula reads
+    int numbers;    // a point's numbers that the light's formula reads; of bits, eight to a number
     int slots = 0;  // vec4s of its parameters, 0..MAX_SLOTS
     // true: parameters may be interpolated, and the mix lies between its ends in every direction (a baseline's need not). false: the
     // light at the three corners of a triangle is interpolated. A model that mixes axes has a case in `renormalised`.
@@ -63,7 +70,12 @@ struct Model {
     ModelParams (*fromVisibility)(const Visibility&, const vec3& normal) = nullptr;
     std::array<Field, 4> stored{};  // the fields of its parameters, if they are stored
     int autoTag = -1;               // its byte in an asset that `auto` chose for, never to change; -1: `auto` never chooses it
-    std::string_view what;          // description for people
+    int cycles = 0;            // where `auto` may choose it: what a light of 5 degrees costs above N.L on RDNA2, as Mesa 22.3 compiles it
+    std::string_view what;     // description for people
+    std::string_view alias{};  // another name that the command line and old files know it by
+    // A rival's bytes a point as its authors pack it, without the four numbers, but with a byte for the sky's light where nothing else
+    // gives that; 0: it has none of its own.
+    int ownBytes = 0;
 
     bool isStored() const { return stored[0] != Field::None || kind == ModelKind::Choice; }
     // The slot of the lobes' Combination; -1 where there is none. For two caps it is the slot of TwoCaps' weight, which
@@ -80,7 +92,7 @@ std::span<const Model> models();
 // the model, for it as a choice.
 bool hasFormula(const Model& model, int lightClass);
 
-// The model of that name, or nullptr.
+// The model of that name or alias, or nullptr.
 const Model* findModel(std::string_view name);
 
 // The models that `auto` may choose, in the order of their autoTag: 0, 1, ...

@@ -117,7 +117,42 @@ void rotateBands(vec4* slots, const mat3& rotation) {
     std::copy_n(out, count, flat(slots));
 }
 
-// Heights are stored about the normal in the world, so the rotation of an instance does not change them.
+// Heights about the normal are 0 or more, and stored as they are. Heights about the vertical are -1..1: their square roots, in which
+// the low horizons of terrain are finest, become negative numbers, at least one step of a byte below 0.
+constexpr float kLeastVertical = 1 / 127.0f;
+template <int Count>
+void packHeights(const vec4* slots, float* out) {
+    const float* stored = flat(slots);
+    const bool vertical = stored[0] < -0.5f;
+    for (int i = 0; i < Count; ++i) {
+        const float h = std::clamp(finiteOrZero(stored[i]) - (vertical ? ABOUT_VERTICAL : 0), -1.0f, 1.0f);
+        const float root = std::copysign(std::sqrt(std::abs(h)), h);
+        out[i] = vertical ? -(kLeastVertical + (1 - kLeastVertical) * (0.5f + 0.5f * root)) : std::max(h, 0.0f);
+    }
+}
+template <int Count>
+void unpackHeights(const float* in, vec4* slots) {
+    const bool vertical = in[0] < 0;
+    for (int i = 0; i < Count; ++i) {
+        const float root = 2 * std::max((std::abs(in[i]) - kLeastVertical) / (1 - kLeastVertical), 0.0f) - 1;
+        flat(slots)[i] = vertical ? std::copysign(root * root, root) + ABOUT_VERTICAL : std::max(in[i], 0.0f);
+    }
+}
+
+template <int Count>
+void packBits(const vec4* slots, float* out) {
+    for (int i = 0; i < Count; ++i) out[i] = std::clamp(finiteOrZero(flat(slots)[i]), 0.0f, 127.0f) / 127;
+}
+template <int Count>
+void unpackBits(const float* in, vec4* slots) {
+    for (int i = 0; i < Count; ++i) flat(slots)[i] = std::round(std::max(in[i], 0.0f) * 127);
+}
+
+constexpr float kMostZonal = 0.8f;  // a bound of the integral of Y20 over any part of a hemisphere, which is 0.763 at most
+void packZonal(const vec4* slots, float* out) { out[0] = slots->x / kMostZonal; }
+void unpackZonal(const float* in, vec4* slots) { slots->x = in[0] * kMostZonal; }
+
+// Heights, cubes and bits are made in the world, or about the normal there.
 void rotateNothing(vec4*, const mat3&) {}
 
 // How one field is packed, unpacked and rotated.
@@ -133,7 +168,14 @@ const Packing& packingOf(Field field) {
     static constexpr Packing lobe{4, 1, packLobe, unpackLobe, rotateAxis};
     static constexpr Packing hardLobe{3, 1, packHardLobe, unpackHardLobe, rotateAxis};
     static constexpr Packing bend{5, 2, packBend, unpackBend, rotateBend};
-    static constexpr Packing heights{HORIZON_AZIMUTHS, 4, packPlain<HORIZON_AZIMUTHS>, unpackPlain<HORIZON_AZIMUTHS>, rotateNothing};
+    static constexpr Packing heights4{4, 1, packHeights<4>, unpackHeights<4>, rotateNothing};
+    static constexpr Packing heights8{8, 2, packHeights<8>, unpackHeights<8>, rotateNothing};
+    static constexpr Packing heights16{16, 4, packHeights<16>, unpackHeights<16>, rotateNothing};
+    static constexpr Packing heights32{32, 8, packHeights<32>, unpackHeights<32>, rotateNothing};
+    static constexpr Packing faces{6, 2, packPlain<6>, unpackPlain<6>, rotateNothing};
+    static constexpr Packing zonal{1, 1, packZonal, unpackZonal, rotateNothing};
+    static constexpr Packing bits32{5, 2, packBits<5>, unpackBits<5>, rotateNothing};
+    static constexpr Packing bits128{19, 5, packBits<19>, unpackBits<19>, rotateNothing};
     static constexpr Packing bands2{5, 2, packPlain<5>, unpackPlain<5>, rotateBands<2>};
     static constexpr Packing bands4{21, 6, packPlain<21>, unpackPlain<21>, rotateBands<4>};
     switch (field) {
@@ -141,7 +183,14 @@ const Packing& packingOf(Field field) {
         case Field::Lobe: return lobe;
         case Field::HardLobe: return hardLobe;
         case Field::Bend: return bend;
-        case Field::Heights: return heights;
+        case Field::Heights4: return heights4;
+        case Field::Heights8: return heights8;
+        case Field::Heights16: return heights16;
+        case Field::Heights32: return heights32;
+        case Field::Faces: return faces;
+        case Field::Zonal: return zonal;
+        case Field::Bits32: return bits32;
+        case Field::Bits128: return bits128;
         case Field::Bands2: return bands2;
         case Field::Bands4: return bands4;
         case Field::None: break;

@@ -19,7 +19,7 @@ struct Frame {
     mat4 toClip;
     vec4 sky;      // rgb, W/m2/sr, from all directions that no light fills
     vec4 albedo;   // rgb, 0..1
-    ivec4 counts;  // x: number of lights, 0..MAX_LIGHTS
+    ivec4 counts;  // x: number of lights, 0..MAX_LIGHTS; y: where the frame's lit vertices begin, in floats; z: floats of each
     Light lights[MAX_LIGHTS];
 };
 
@@ -29,10 +29,12 @@ struct SceneVertex {
     vec4 visibility;  // D, A, sr
 };
 
-// The cap that a light fills as seen from `position`, metres.
-APERTURA_FN CapLight capSeenFrom(vec3 position, Light light) {
-    if (isSphere(light)) return capOfSphere(vec3(light.sphere) - position, light.sphere.w);
-    return light.cap;
+// The cap that a light fills as seen from `position`, metres. A lightClass other than LIGHTS_ANY has no spheres.
+APERTURA_FN CapLight capSeenFrom(vec3 position, Light light, int lightClass) {
+    if (lightClass != LIGHTS_ANY) return light.cap;
+    CapLight cap = light.cap;
+    if (isSphere(light)) cap = capOfSphere(vec3(light.sphere) - position, light.sphere.w);
+    return cap;
 }
 
 #endif

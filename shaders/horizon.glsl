@@ -1,29 +1,49 @@
-// RIVAL: a horizon map, after Max, "Horizon Mapping: Shadows for Bump-Mapped Surfaces", 1988: the elevation of the
-// horizon at 16 azimuths about the normal. GLSL and C++ include this text.
+// RIVAL: horizon maps, after Max, "Horizon Mapping: Shadows for Bump-Mapped Surfaces", 1988: the elevation of the horizon at
+// 4 to 32 azimuths about a pole. With 4 azimuths it is what Stellarium draws the Moon with. GLSL and C++ include this text.
 #ifndef APERTURA_HORIZON_GLSL
 #define APERTURA_HORIZON_GLSL
-#include "aperture.glsl"
+#include "receiver.glsl"
 
-const int HORIZON_AZIMUTHS = 16;
+// The pole is the receiver's normal, or the vertical, +Y, for terrain. Azimuths are counter-clockwise about it from tangentTo(pole).
+const lpfloat ABOUT_VERTICAL = -lpfloat(2.0);  // is added to the heights where the pole is the vertical
 
-// E of a cap light over a horizon. h0..h3: sines of elevation at 16 azimuths, counter-clockwise about the normal from
-// tangentTo(normal); linear in between.
-APERTURA_FN lpfloat irradianceOverHorizon(lpvec3 normal, lpvec4 h0, lpvec4 h1, lpvec4 h2, lpvec4 h3, CapLight light, int lightClass) {
-    lpvec3 tangent = tangentTo(normal);
-    lpfloat x = dot(tangent, light.axis);
-    lpfloat y = dot(cross(normal, tangent), light.axis);
-    lpfloat z = dot(normal, light.axis);
-    lpfloat turn = atan(y, x) * (lpfloat(HORIZON_AZIMUTHS) / (lpfloat(2.0) * PI));
-    lpfloat at = turn < lpfloat(0.0) ? turn + lpfloat(HORIZON_AZIMUTHS) : turn;
-    int i = int(at) & 15;
-    int j = (i + 1) & 15;
-    lpvec4 a = i < 8 ? (i < 4 ? h0 : h1) : (i < 12 ? h2 : h3);
-    lpvec4 b = j < 8 ? (j < 4 ? h0 : h1) : (j < 12 ? h2 : h3);
-    lpfloat horizon = mix(a[i & 3], b[j & 3], at - floor(at));
-    lpfloat above = capRadius(lpfloat(1.0) - horizon) - capRadius(lpfloat(1.0) - z);
-    lpfloat t = clamp(lpfloat(0.5) + lpfloat(0.5) * above / max(capRadius(light.height), lpsmall(1e-6)), lpfloat(0.0), lpfloat(1.0));
-    return unoccludedIrradiance(normal, light, lightClass) * t
-         * (lpfloat(1.0) + lpfloat(0.6687) * (lpfloat(1.0) - t) * (lpfloat(2.0) * t - lpfloat(1.0)));
+APERTURA_FN bool isAboutVertical(Receiver receiver) { return receiver.params[0].x < -lpfloat(0.5); }
+
+// Number i of the first `count` of a receiver's slots, by selection: a driver may put an array that is indexed into slow memory.
+APERTURA_FN lpfloat numberOf(Receiver receiver, int count, int i) {
+    lpvec4 slot = receiver.params[0];
+    int last = (count - 1) >> 2;
+    for (int k = 1; k <= last; ++k) slot = (i >> 2) == k ? receiver.params[k] : slot;
+    lpvec2 pair = (i & 2) == 0 ? lpvec2(slot.x, slot.y) : lpvec2(slot.z, slot.w);
+    return (i & 1) == 0 ? pair.x : pair.y;
+}
+
+// The sine of the horizon's elevation at azimuth i, -1..1.
+APERTURA_FN lpfloat horizonHeight(Receiver receiver, int azimuths, int i) {
+    lpfloat stored = numberOf(receiver, azimuths, i);
+    return isAboutVertical(receiver) ? stored - ABOUT_VERTICAL : stored;
+}
+
+// E of a cap light over a horizon of `azimuths` sines of elevation, linear in between: the light's disc is cut by the line that the
+// horizon is at the light's azimuth.
+APERTURA_FN lpfloat irradianceOverHorizon(Receiver receiver, int azimuths, CapLight light, int lightClass) {
+    lpvec3 pole = isAboutVertical(receiver) ? lpvec3(lpfloat(0.0), lpfloat(1.0), lpfloat(0.0)) : receiver.normal;
+    lpvec3 tangent = tangentTo(pole);
+    lpfloat z = dot(pole, light.axis);
+    lpfloat perStep = lpfloat(2.0) * PI / lpfloat(azimuths);  // radians
+    lpfloat turn = atan(dot(cross(pole, tangent), light.axis), dot(tangent, light.axis)) / perStep;
+    lpfloat at = turn < lpfloat(0.0) ? turn + lpfloat(azimuths) : turn;
+    int i = int(at) & (azimuths - 1);
+    lpfloat a = horizonHeight(receiver, azimuths, i);
+    lpfloat b = horizonHeight(receiver, azimuths, (i + 1) & (azimuths - 1));
+    lpfloat height = clamp(mix(a, b, at - floor(at)), -lpfloat(1.0), lpfloat(1.0));
+    lpfloat cosine = sqrt(max(lpfloat(1.0) - height * height, lpsmall(1e-4)));
+    // How steeply the horizon rises, by the azimuth's arc at its own elevation.
+    lpfloat rise = (b - a) / (perStep * cosine * cosine);
+    // The sine of how far the light's centre stands above that line.
+    lpfloat above = (z * cosine - height * sqrt(max(lpfloat(1.0) - z * z, lpfloat(0.0)))) * inversesqrt(lpfloat(1.0) + rise * rise);
+    lpfloat t = clamp(lpfloat(0.5) + lpfloat(0.5) * above * light.inverseSin, lpfloat(0.0), lpfloat(1.0));
+    return unoccludedIrradiance(receiver.normal, light, lightClass) * discFraction(t);
 }
 
 #endif

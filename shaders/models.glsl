@@ -2,8 +2,7 @@
 // GLSL and C++ include this text; sh/models.cpp names the models and says what they store.
 #ifndef APERTURA_MODELS_GLSL
 #define APERTURA_MODELS_GLSL
-#include "harmonics.glsl"
-#include "horizon.glsl"
+#include "rivals.glsl"
 #include "several.glsl"
 
 // Returned by irradianceThrough for an unknown model: irradiance is never below zero.
@@ -51,7 +50,7 @@ APERTURA_FN lpfloat irradianceThroughCapAnti(Receiver receiver, CapLight light, 
 APERTURA_FN lpfloat irradianceThroughChoice(Receiver receiver, CapLight light, int lightClass) {
     lpvec3 n = receiver.normal;
     int chosen = choiceIn(receiver.params[CHOICE_SLOT]).model;
-    if (chosen == MODEL_AO)
+    if (chosen == MODEL_AO_AREA)
         return unoccludedIrradiance(n, light, lightClass) * min(receiver.visibility.w / (lpfloat(2.0) * PI), lpfloat(1.0));
     if (chosen == MODEL_APERTURE) return irradianceThroughAperture(n, onlyApertureIn(receiver), light, lightClass);
     if (chosen == MODEL_SOFT && lightClass != LIGHTS_ANY) return irradianceThroughSoft(n, softIn(receiver.params[0]), light, lightClass);
@@ -60,6 +59,33 @@ APERTURA_FN lpfloat irradianceThroughChoice(Receiver receiver, CapLight light, i
     if (chosen == MODEL_FIRM_3) return irradianceThroughLobes(receiver, 3, light, lightClass);
     if (chosen == MODEL_FIRM_4) return irradianceThroughLobes(receiver, 4, light, lightClass);
     return NO_FORMULA;
+}
+
+APERTURA_FN int azimuthsOf(int model) {
+    return model == MODEL_HORIZON_4 ? 4 : model == MODEL_HORIZON_8 ? 8 : model == MODEL_HORIZON_16 ? 16 : 32;
+}
+
+// E of a cap light by the rivals of rivals.glsl and horizon.glsl; NO_FORMULA for other models.
+APERTURA_FN lpfloat irradianceByRival(int model, Receiver receiver, CapLight light, int lightClass) {
+    lpfloat open = unoccludedIrradiance(receiver.normal, light, lightClass);
+    switch (model) {
+        case MODEL_AO_COSINE: return open * opennessOf(receiver);
+        case MODEL_XEGTAO:
+        case MODEL_XEGTAO_0: return open * xegtaoVisibility(receiver, light, model == MODEL_XEGTAO ? lpfloat(0.1) : lpfloat(0.0));
+        case MODEL_MICRO_SHADOW: return open * microShadow(receiver, light);
+        case MODEL_BENT_CONES: return open * coneVisibility(receiver, light);
+        case MODEL_HORIZON_4:
+        case MODEL_HORIZON_8:
+        case MODEL_HORIZON_16:
+        case MODEL_HORIZON_32: return irradianceOverHorizon(receiver, azimuthsOf(model), light, lightClass);
+        case MODEL_CUBE_6: return open * cubeVisibility(receiver, light);
+        case MODEL_ZH3:
+        case MODEL_ZH3_GUESS:
+            return open * zonalVisibility(receiver, light, model == MODEL_ZH3 ? receiver.params[0].x : guessedZonal(receiver));
+        case MODEL_BITS_32:
+        case MODEL_BITS_128: return open * sectorVisibility(receiver, model == MODEL_BITS_32 ? 4 : 8, light, lightClass);
+        default: return NO_FORMULA;
+    }
 }
 
 // E of a cap light at the receiver, by the formula of `model`; NO_FORMULA for a number that is no model's.
@@ -72,7 +98,7 @@ APERTURA_FN lpfloat irradianceThrough(int model, Receiver receiver, CapLight lig
     lpfloat e = NO_FORMULA;
     switch (model) {
         case MODEL_UNSHADOWED: e = open; break;
-        case MODEL_AO: e = open * min(receiver.visibility.w / (lpfloat(2.0) * PI), lpfloat(1.0)); break;
+        case MODEL_AO_AREA: e = open * min(receiver.visibility.w / (lpfloat(2.0) * PI), lpfloat(1.0)); break;
         case MODEL_SH_L1: e = open * shVisibility(receiver, light, 1); break;
         case MODEL_SH_L2: e = open * shVisibility(receiver, light, 2); break;
         case MODEL_SH_L4: e = open * shVisibility(receiver, light, 4); break;
@@ -94,24 +120,32 @@ APERTURA_FN lpfloat irradianceThrough(int model, Receiver receiver, CapLight lig
         case MODEL_MULTI_3: e = atMostTheSky(open * visibleFractionOfUnion(receiver, 3, light, lightClass), receiver, lightClass); break;
         case MODEL_MULTI_4: e = atMostTheSky(open * visibleFractionOfUnion(receiver, 4, light, lightClass), receiver, lightClass); break;
         case MODEL_CAP_ANTI: e = atMostTheSky(irradianceThroughCapAnti(receiver, light, lightClass), receiver, lightClass); break;
-        case MODEL_HORIZON:
-            e = irradianceOverHorizon(n, receiver.params[0], receiver.params[1], receiver.params[2], receiver.params[3], light, lightClass);
-            break;
         case MODEL_AUTO: e = atMostTheSky(irradianceThroughChoice(receiver, light, lightClass), receiver, lightClass); break;
-        default: break;
+        default: e = irradianceByRival(model, receiver, light, lightClass); break;
     }
     return e;
 }
 
+// True for models whose sky is not made from D alone.
+APERTURA_FN bool skyNeedsMore(int model) {
+    switch (model) {
+        case MODEL_AO_AREA:
+        case MODEL_OAT:
+        case MODEL_CUBE_6: return true;
+        default: return false;
+    }
+}
+
 // E of a sky of unit radiance all around. It is exactly dot(normal, D), which every asset has. MODEL_OAT knows only its
-// cap, MODEL_AO only the area.
+// cap, MODEL_AO_AREA only the area, MODEL_CUBE_6 its own faces.
 APERTURA_FN lpfloat skyIrradiance(int model, Receiver receiver) {
     switch (model) {
         case MODEL_UNSHADOWED: return PI;
-        case MODEL_AO: return lpfloat(0.5) * receiver.visibility.w;
+        case MODEL_AO_AREA: return lpfloat(0.5) * receiver.visibility.w;
         case MODEL_OAT:
             return lpfloat(2.0) * PI * apertureIn(receiver.params[0], lpvec3(lpfloat(0.0))).height
                  * max(dot(receiver.normal, apertureIn(receiver.params[0], lpvec3(lpfloat(0.0))).axis), lpfloat(0.0));
+        case MODEL_CUBE_6: return skyThroughCube(receiver);
         default: return max(dot(receiver.normal, lpvec3(receiver.visibility)), lpfloat(0.0));
     }
 }

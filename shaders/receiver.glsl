@@ -6,7 +6,7 @@
 #include "soft.glsl"
 
 const int MODEL_UNSHADOWED = 0;
-const int MODEL_AO = 1;
+const int MODEL_AO_AREA = 1;
 const int MODEL_SH_L1 = 2;
 const int MODEL_SH_L2 = 3;
 const int MODEL_SH_L4 = 4;
@@ -24,12 +24,25 @@ const int MODEL_MULTI_2 = 15;
 const int MODEL_MULTI_3 = 16;
 const int MODEL_MULTI_4 = 17;
 const int MODEL_CAP_ANTI = 18;
-const int MODEL_HORIZON = 19;
+const int MODEL_HORIZON_16 = 19;
 const int MODEL_AUTO = 20;
-const int MODEL_COUNT = 21;
+const int MODEL_AO_COSINE = 21;
+const int MODEL_XEGTAO = 22;
+const int MODEL_XEGTAO_0 = 23;
+const int MODEL_MICRO_SHADOW = 24;
+const int MODEL_BENT_CONES = 25;
+const int MODEL_HORIZON_4 = 26;
+const int MODEL_HORIZON_8 = 27;
+const int MODEL_HORIZON_32 = 28;
+const int MODEL_CUBE_6 = 29;
+const int MODEL_ZH3 = 30;
+const int MODEL_ZH3_GUESS = 31;
+const int MODEL_BITS_32 = 32;
+const int MODEL_BITS_128 = 33;
+const int MODEL_COUNT = 34;
 
 // The most vec4s that the parameters of one point take, in any model.
-const int MAX_SLOTS = 6;
+const int MAX_SLOTS = 8;
 
 // What one receiver sees. The slots of `params` hold, by model:
 //   oat              0 aperture
@@ -40,7 +53,10 @@ const int MAX_SLOTS = 6;
 //   N lobes          0 .. N-1 slopes and offsets, N their Combination
 //   N apertures      0 .. N-1 apertures, from N on the terms of two in a slot
 //   sh-l2, sh-l4     SH coefficients of band 2 and above, in turn
-//   horizon          sines of elevation, in turn
+//   horizon-N        sines of elevation, in turn: see horizon.glsl
+//   cube-6           its faces: see rivals.glsl, as for the next two
+//   zh3              the zonal coefficient, in x
+//   bits-N           sectors, seven bits to a component
 //   auto             what the chosen model has, and its Choice in CHOICE_SLOT
 // The functions below, and packing (sh/params_packing.cpp), are all that know which component of a slot is what.
 struct Receiver {

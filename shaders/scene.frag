@@ -1,15 +1,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "models.glsl"
-#include "scene.glsl"
+#include "vertex_params.glsl"
 
-// One pipeline per model and class of lights.
-layout(constant_id = 0) const int model = MODEL_SOFT;
-layout(constant_id = 1) const int lightClass = LIGHTS_ANY;
-layout(constant_id = 2) const uint slots = 1;                                          // vec4s of the parameters of a vertex
-layout(constant_id = 3) const bool mixes = true;                                       // the parameters may be interpolated
-layout(std430, set = 0, binding = 3) readonly buffer AllParams { vec4 allParams[]; };  // `slots` per vertex
-
+// One pipeline per model and class of lights. This text is compiled several times, so that each calls irradianceThrough in one place:
+// drivers copy it, with every model, to each.
+//   APERTURA_CORNERS    0: the parameters are interpolated; 3: the light at the three corners is, because the lobes of neighbouring
+//   vertices
+//                       need not correspond; 1: one corner, to count what it costs
+//   APERTURA_ONE_LIGHT  1: for frames of just one light; 0: of any number
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
 layout(location = 2) in vec3 weights;
@@ -17,41 +15,42 @@ layout(location = 3) flat in uvec3 corners;
 
 layout(location = 0) out vec4 colour;  // reflected radiance, linear
 
-Receiver receiver;
+vec3 irradiance = vec3(0.0);
+float lit = 0.0;  // the lights' E for unit radiance
+float sky = 0.0;  // the sky's
 
-// Adds the lights to `irradiance` and the sky's E to `sky`, both times `share`. Returns the lights' E for unit radiance.
-float lightReceiver(float share, inout vec3 irradiance, inout float sky) {
-    float lit = 0.0;
-    for (int i = 0; i < frame.counts.x; ++i) {
-        float e = share * irradianceThrough(model, receiver, capSeenFrom(worldPosition, frame.lights[i]), lightClass);
-        irradiance += e * frame.lights[i].radiance.rgb;
-        lit += e;
-    }
+void addLight(Receiver receiver, float share, Light light) {
+    float e = share * irradianceThrough(model, receiver, capSeenFrom(worldPosition, light, lightClass), lightClass);
+    irradiance += e * light.radiance.rgb;
+    lit += e;
+}
+
+void addReceiver(Receiver receiver, float share) {
+#if APERTURA_ONE_LIGHT
+    addLight(receiver, share, frame.lights[0]);
+#else
+    for (int i = 0; i < frame.counts.x; ++i) addLight(receiver, share, frame.lights[i]);
+#endif
     sky += share * skyIrradiance(model, receiver);
-    return lit;
 }
 
 void main() {
-    vec3 irradiance = vec3(0.0);
-    float lit = 0.0, sky = 0.0;
-    receiver.normal = normalize(worldNormal);
-    if (mixes) {
-        receiver.visibility = vec4(0.0);
-        for (int k = 0; k < MAX_SLOTS; ++k) receiver.params[k] = vec4(0.0);
-        for (int c = 0; c < 3; ++c) {
-            receiver.visibility += weights[c] * vertices[corners[c]].visibility;
-            for (uint k = 0; k < slots; ++k) receiver.params[k] += weights[c] * allParams[corners[c] * slots + k];
-        }
-        receiver = renormalised(model, receiver);
-        lit = lightReceiver(1.0, irradiance, sky);
-    } else {
-        // The lobes of neighbouring vertices need not correspond: the light at the three corners is interpolated instead.
-        for (int c = 0; c < 3; ++c) {
-            receiver.visibility = vertices[corners[c]].visibility;
-            for (uint k = 0; k < slots; ++k) receiver.params[k] = allParams[corners[c] * slots + k];
-            lit += lightReceiver(weights[c], irradiance, sky);
-        }
+    vec3 normal = normalize(worldNormal);
+#if APERTURA_CORNERS == 3
+    for (int c = 0; c < 3; ++c) addReceiver(receiverOf(corners[c], normal), weights[c]);
+#elif APERTURA_CORNERS == 1
+    addReceiver(receiverOf(corners[0], normal), weights[0]);
+#else
+    Receiver receiver;
+    receiver.normal = normal;
+    receiver.visibility = vec4(0.0);
+    for (int k = 0; k < MAX_SLOTS; ++k) receiver.params[k] = vec4(0.0);
+    for (int c = 0; c < 3; ++c) {
+        receiver.visibility += weights[c] * vertices[corners[c]].visibility;
+        for (uint k = 0; k < slots; ++k) receiver.params[k] += weights[c] * allParams[corners[c] * slots + k];
     }
+    addReceiver(renormalised(model, receiver), 1.0);
+#endif
     // The sky fills the part of the opening that the lights leave.
     irradiance += max(sky - lit, 0.0) * frame.sky.rgb;
     colour = vec4(frame.albedo.rgb / PI * irradiance, 1.0);

@@ -1,5 +1,4 @@
-// BASELINE: a shadow map of one directional light, with percentage-closer soft shadows (Fernando, "Percentage-Closer Soft
-// Shadows", SIGGRAPH sketch 2005). The same layout (std140) in GLSL and in C++.
+// How a shadow map sees the scene: see soft_shadow.glsl. The same layout (std140) in GLSL and in C++.
 #ifndef APERTURA_SHADOW_GLSL
 #define APERTURA_SHADOW_GLSL
 

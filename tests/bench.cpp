@@ -8,6 +8,7 @@
 #endif
 
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <numbers>
@@ -17,6 +18,9 @@
 #include "bake/sampling/directions.h"
 #include "bake/sampling/surface_points.h"
 #include "bake/scene/load.h"
+#include "runtime/asset/asset.h"
+#include "runtime/asset/view.h"
+#include "runtime/render/cost.h"
 #include "sh/aperture.h"
 #include "sh/packing.h"
 #include "sh/soft.h"
@@ -158,6 +162,33 @@ void Fit(benchmark::State& state, const char* name) {
     state.counters["points_per_s"] = double(samples.size()) / least;
 }
 
+// A frame of a baked file as `render` draws 960 x 540 pixels, four samples each: the time of light at vertices over that of light at
+// pixels. $APERTURA_FRAME names the file, $APERTURA_SUN the sun's radius in degrees.
+void FrameLitAtVertices(benchmark::State& state) {
+    const char* const file = std::getenv("APERTURA_FRAME");
+    if (!file) return state.SkipWithError("APERTURA_FRAME names no baked file");
+    const Asset asset = readAsset(file);
+    const Model* model = storedModel(asset.info);
+    if (!model) model = findModel("soft");
+    const Gpu gpu;
+    Renderer renderer(gpu, asset);
+    View view;
+    view.width *= 2, view.height *= 2;
+    view.camera = viewOf(asset.scene);
+    const char* const degrees = std::getenv("APERTURA_SUN");
+    view.lights = {directionalLight({0.5f, 0.6f, 0.5f}, (degrees ? std::atof(degrees) : 0.27) * std::numbers::pi / 180, vec3(1))};
+    const FrameCase cases[] = {
+        {&renderer, model, LightAt::Pixels}, {&renderer, model, LightAt::Vertices}, {&renderer, findModel("unshadowed")}};
+    for (auto _ : state) {
+        const std::vector<double> seconds = measuredFrames(gpu, view, cases, 10);
+        state.counters["pixels_ms"] = 1e3 * seconds[0];
+        state.counters["vertices_ms"] = 1e3 * seconds[1];
+        state.counters["ratio"] = seconds[1] / seconds[0];
+        state.counters["unshadowed_ms"] = 1e3 * seconds[2];
+    }
+}
+
+BENCHMARK(FrameLitAtVertices)->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(Fit, cap_anti, "cap-anti")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Fit, multi_2, "multi-2")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Fit, firm_2, "firm-2")->Unit(benchmark::kMillisecond);

@@ -388,7 +388,8 @@ TEST(Cli, ChartLeavesATableAndAPageThatSortsInABrowser) {
     const std::string out = folder / "chart";
     const std::string csv = slurp(out + "/models.csv");
     EXPECT_EQ(lines(csv), 1 + 2 * 2 * 5) << csv;  // 2 scenes, 2 radii, 4 models, of which soft is from two sources
-    for (const char* picture : {"error-bytes", "error-cycles-navi21", "error-time-ratio", "error-bake-ratio", "scenes", "worst-scenes"})
+    for (const char* picture :
+         {"error-bytes", "error-cycles-pixel-navi21", "error-frame-ratio", "error-bake-ratio", "scenes", "worst-scenes"})
         for (const char* kind : {".png", ".svg"}) EXPECT_GT(slurp(out + "/" + picture + kind).size(), 2000u) << picture;
     const std::string html = slurp(out + "/index.html");
     EXPECT_EQ(html.find("src=\"http"), std::string::npos);

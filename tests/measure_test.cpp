@@ -14,7 +14,7 @@ double rmse(const Measurement& m, const std::string& model, double radius = 5, c
     return 0;
 }
 
-MeasureOptions at5(int receivers, std::initializer_list<const char*> models = {"ao", "sh-l1", "oat", "aperture", "soft"}) {
+MeasureOptions at5(int receivers, std::initializer_list<const char*> models = {"ao-area", "sh-l1", "oat", "aperture", "soft"}) {
     MeasureOptions options;
     for (const char* model : models) options.models.push_back(findModel(model));
     options.lightRadii = {5};
@@ -43,13 +43,13 @@ TEST(Truth, OfAnOpenLightIsTheClosedForm) {
 }
 
 TEST(Measure, ModelsStandInTheOrderOfTheTable) {
-    // The order of MATH.md's table at 5 degrees: in every scene soft beats aperture, aperture beats oat, and soft beats ao.
+    // The order of MATH.md's table at 5 degrees: in every scene soft beats aperture, aperture beats oat, and soft beats ao-area.
     for (const char* name : {"terrain", "sphere-over-plane", "room-2", "canyon", "colonnade", "forest", "statue"}) {
         const Measurement m = measureScene(makeBuiltin(name), at5(150));
         EXPECT_LT(rmse(m, "soft"), rmse(m, "aperture")) << name;
         EXPECT_LT(rmse(m, "aperture"), rmse(m, "oat")) << name;
         EXPECT_LT(rmse(m, "soft"), rmse(m, "sh-l1")) << name;
-        EXPECT_LT(rmse(m, "sh-l1"), rmse(m, "ao") + 0.002) << name;
+        EXPECT_LT(rmse(m, "sh-l1"), rmse(m, "ao-area") + 0.002) << name;
         EXPECT_LT(m.rows[0].noise, 0.01) << name;
         EXPECT_NEAR(rmse(m, "soft"), rmse(m, "soft", 5, "rays"), 1e-4) << name;
         ASSERT_FALSE(m.paths.empty());
@@ -143,8 +143,9 @@ TEST(Measure, ASceneThatIsClosedIsDarkAndFinite) {
     for (const MeasureRow& row : m.rows) {
         if (row.model == "unshadowed") continue;
         EXPECT_EQ(row.rmsTruth, 0);
-        // A horizon map leaves a gap at the zenith: its heights are those of the highest rays.
-        EXPECT_LT(row.rmse, row.model == "horizon" ? 0.3 : 1e-3) << row.model;
+        // These take a point without sky for one of any other bent normal: their authors' formulas do. A shadow map leaks along edges.
+        const bool leaks = row.model.starts_with("xegtao") || row.model == "micro-shadow";
+        EXPECT_LT(row.rmse, leaks ? 0.5 : row.model == "shadow-map" ? 0.05 : 1e-3) << row.model;
     }
 }
 

@@ -66,12 +66,12 @@ TEST(Models, EachHasAFormulaForEveryClassOfLightsAndARecipe) {
     EXPECT_EQ(irradianceThrough(MODEL_COUNT, receiver, light, LIGHTS_ANY), NO_FORMULA);
     EXPECT_EQ(irradianceThrough(-1, receiver, light, LIGHTS_ANY), NO_FORMULA);
     Receiver undecided = receiver;  // `auto` may not choose horizon
-    undecided.params[CHOICE_SLOT] = withChoice(vec4(0), {MODEL_HORIZON, false});
+    undecided.params[CHOICE_SLOT] = withChoice(vec4(0), {MODEL_HORIZON_16, false});
     EXPECT_EQ(irradianceThrough(MODEL_AUTO, undecided, light, LIGHTS_SUN), NO_FORMULA);
 }
 
 TEST(Models, AutoChoosesByTagsThatAssetsHoldForEver) {
-    const char* names[] = {"ao", "aperture", "soft", "firm-2", "soft-2", "firm-3", "soft-l2", "firm-4"};
+    const char* names[] = {"ao-area", "aperture", "soft", "firm-2", "soft-2", "firm-3", "soft-l2", "firm-4"};
     for (size_t tag = 0; tag < std::size(names); ++tag) EXPECT_EQ(autoModels()[tag]->name, names[tag]);
     int numbers = 0;
     for (const Candidate& candidate : candidates()) {
@@ -139,7 +139,7 @@ TEST(Models, AnyNumbersUnpackToAFiniteFormAndPackAgain) {
 TEST(Models, FormsTurnWithTheirFrame) {
     Random random(52);
     for (const Model& model : models()) {
-        if (storedNumbers(model) == 0 || model.id == MODEL_HORIZON) continue;  // its heights are relative to the normal
+        if (storedNumbers(model) == 0 || model.ownBytes > 0) continue;  // what rivals store is made in the world, or about the normal there
         for (int i = 0; i < 50; ++i) {
             std::vector<float> numbers(size_t(storedNumbers(model)));
             for (float& n : numbers) n = float(random(-0.3, 0.3));

@@ -19,6 +19,7 @@ struct Arguments {
     BakeOptions bake;
     int bits = 8;
     bool spacingGiven = false;
+    std::string price;
 };
 
 void run(const Arguments& a) {
@@ -36,15 +37,20 @@ void run(const Arguments& a) {
     info.bits = a.bits;
     info.seed = a.bake.seed;
     info.maxDistance = a.bake.maxDistance;
-    if (a.model == "auto") info.tolerance = a.bake.tolerance;
     BakedVisibility visibility;
     MeshIssues issues;
+    AutoPlan plan{};
     {
         ProgressBar bar("baking");
         const Progress progress = bar.callback();
         const Tracer tracer(scene, progress);
         info.rayOffset = tracer.offset();
-        visibility = bakeVertices(scene, tracer, a.bake, progress, &issues);
+        visibility = bakeVertices(scene, tracer, a.bake, progress, &issues, &plan);
+    }
+    if (a.model == "auto") {
+        info.tolerance = a.bake.tolerance;
+        info.price = a.price.empty() ? "numbers" : a.price;
+        if (plan.alone) info.alone = plan.alone->name;
     }
     writeAsset(a.out, scene, visibility, info);
     size_t vertices = 0, closed = 0;
@@ -105,8 +111,16 @@ void addBakeCommand(CLI::App& program) {
                     "of the model auto: RMSE of E / (L pi sin^2 r) at light radii 5 and 15 degrees [0.05]")
         ->check(finiteRange(1e-6, 1e6))
         ->type_name("RMSE");
+    command
+        .add_option("--price", a->price,
+                    "of the model auto, what to spend least of: bytes stored, or a shader's cycles [numbers that the formula reads]")
+        ->check(CLI::IsMember({"bytes", "cycles"}))
+        ->type_name("bytes|cycles");
     addHeightMapOptions(command, a->map);
     command.callback([a, &command] {
+        if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
+        a->bake.price = a->price == "bytes" ? Price::Bytes : a->price == "cycles" ? Price::Cycles : Price::Numbers;
+        a->model = findRecipe(a->model)->name;
         a->spacingGiven = command.count("--spacing") > 0;
         a->bake.recipe = findRecipe(a->model)->name;
         run(*a);

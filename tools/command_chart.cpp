@@ -2,7 +2,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,11 +10,10 @@
 
 #include "bake/fit/bake.h"
 #include "bake/measure/measure.h"
-#include "bake/scene/isolated.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
-#include "runtime/render/cost.h"
 #include "tools/commands.h"
+#include "tools/costs.h"
 #include "tools/terminal.h"
 
 namespace apertura {
@@ -29,78 +27,7 @@ struct Arguments {
     MeasureOptions measure;
 };
 
-// Radeons to compile for with Mesa: one of RDNA2 and one of GCN4.
-const char* const kFamilies[] = {"navi21", "polaris10"};
-constexpr int kSizes[] = {LIGHTS_SUN, LIGHTS_SMALL, LIGHTS_MEDIUM, LIGHTS_ANY};
-constexpr double kMapRadius = 5;  // degrees, light radius of the error maps
-
-// Costs by model and light class: cycles above those of N.L alone, and time.
-struct Costs {
-    std::map<std::string, std::map<std::pair<int, int>, int>> cycles;  // by family
-    std::map<std::pair<int, int>, double> time;                        // as a multiple of that of N.L
-    std::string device;
-};
-
-// The cases to measure: N.L first, then the models asked for, or all if none is.
-std::vector<CostCase> casesOf(const std::vector<const Model*>& asked) {
-    std::vector<CostCase> out;
-    for (const Model& model : models())
-        if (model.id == MODEL_UNSHADOWED || asked.empty() || std::find(asked.begin(), asked.end(), &model) != asked.end())
-            for (int lightClass : kSizes) out.push_back({model.id, lightClass});
-    return out;
-}
-
-// Path of the JSON manifest of Mesa's driver for Radeons; empty if there is none.
-std::string radeonDriver() {
-    for (const char* folder : {"/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"}) {
-        std::error_code ignored;
-        for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
-            if (entry.path().filename().string().starts_with("radeon_icd")) return entry.path().string();
-    }
-    return {};
-}
-
-// Compiles in a child process: Mesa takes the GPU to compile for, which need not exist, from the environment.
-std::vector<CompiledCost> costsOn(const char* family, const std::vector<CostCase>& cases) {
-    const std::string driver = radeonDriver();
-    if (driver.empty()) throw Error("Mesa's driver for Radeons (RADV) is not installed");
-    std::vector<CompiledCost> costs;
-    const auto compile = [&](PipeWriter& out) {
-        setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
-        setenv("VK_DRIVER_FILES", driver.c_str(), 1);
-        setenv("RADV_FORCE_FAMILY", family, 1);
-        const Gpu gpu({.statistics = true});
-        out.put(compiledCosts(gpu, cases));
-    };
-    runIsolated("RADV", {900, 0x1p32}, compile, [&](PipeReader& in) { costs = in.take<CompiledCost>(); });
-    return costs;
-}
-
-Costs measureCosts(const std::vector<CostCase>& cases) {
-    Costs out;
-    try {
-        for (const char* family : kFamilies) {
-            const std::vector<CompiledCost> costs = costsOn(family, cases);
-            for (size_t i = 0; i < cases.size(); ++i) {
-                const size_t base = i % std::size(kSizes);  // the same class of casesOf's first model, N.L
-                out.cycles[family][{cases[i].model, cases[i].lightClass}] = costs[i].cycles - costs[base].cycles;
-            }
-        }
-    } catch (const Error& e) {
-        out.cycles.clear();
-        std::fprintf(stderr, "apertura: no GPU cycles, their columns stay empty: %s\n", e.what());
-    }
-    try {
-        const Gpu gpu;
-        const std::vector<double> seconds = measuredCosts(gpu, cases, 1 << 16, 5);
-        for (size_t i = 0; i < cases.size(); ++i)
-            out.time[{cases[i].model, cases[i].lightClass}] = seconds[i] / seconds[i % std::size(kSizes)];
-        out.device = gpu.name();
-    } catch (const Error& e) {
-        std::fprintf(stderr, "apertura: no times of a device, their column stays empty: %s\n", e.what());
-    }
-    return out;
-}
+constexpr double kMapRadius = 5;  // degrees, light radius of the error maps and of the frames
 
 // Cost of a recipe, with 256 rays per vertex and one thread: baking time per vertex as a multiple of that of `sh`, and
 // points per second of the fit alone.
@@ -115,11 +42,12 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
     BakeOptions options;
     options.threads = 1;
     const FitTools tools(options.rays);
-    FitOptions fitOptions;
+    FitOptions fitOptions{.terrain = scene.isTerrain};
     fitOptions.lambda = 1 / (fitOptions.tolerance * fitOptions.tolerance);
     std::vector<std::pair<Samples, mat3>> samples;
+    const RayOcclusion source(tracer);
     const auto start = Clock::now();
-    samplePoints(RayOcclusion(tracer), points, tools.lattice, options.seed, 1, {},
+    samplePoints(source, points, tools.lattice, options.seed, 1, {},
                  [&](size_t, const Samples& s, const mat3& frame) { samples.emplace_back(s, frame); });
     const double tracing = std::chrono::duration<double>(Clock::now() - start).count();
     std::map<std::string, BakeCost> out;
@@ -150,27 +78,50 @@ std::string inQuotes(const std::string& text) {
     return out + "\"";
 }
 
+// The class of formulas for a light of so many degrees.
+int classOf(double degrees) { return lightClassOf(float(std::sin(degrees * std::numbers::pi / 180))); }
+
+// The same model's row made from rays, beside that from the coefficients: they are equal.
+bool isRepeated(const MeasureRow& row) {
+    const Model* model = findModel(row.model);
+    return row.source == "rays" && model && model->fromVisibility;
+}
+
 std::string toCsv(const std::vector<Measurement>& all, const Costs& costs, const std::map<std::string, BakeCost>& baking) {
     std::ostringstream out;
     out.precision(6);
-    out << "scene,model,source,numbers,bytes,light_radius_deg,rmse,bias,max,rms_truth,noise,ambient_rmse,leak_max,leak_99";
-    for (const char* family : kFamilies) out << ",cycles_" << family;
-    out << ",time_ratio,bake_ratio,fits_per_second\n";
+    out << "scene,model,source,baseline,numbers,bytes,light_radius_deg,rmse,bias,max,rms_truth,noise,ambient_rmse,leak_max,leak_99";
+    for (const char* family : kFamilies) out << ",cycles_" << family << ",cycles_pixel_" << family << ",cycles_lit_" << family;
+    out << ",time_ratio,frame_ratio,texels_per_metre,bake_ratio,fits_per_second\n";
+    // An empty cell, where a figure is not there.
+    const auto cell = [&](const auto& figures, const CostKey& key) {
+        out << ',';
+        if (const auto found = figures.find(key); found != figures.end()) out << found->second;
+    };
     for (const Measurement& m : all)
         for (const MeasureRow& r : m.rows) {
-            if (r.source == "rays" && findModel(r.model)->fromVisibility) continue;  // the same as from sh
-            out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << r.numbers << ',' << r.bytes << ',' << r.lightRadius
-                << ',' << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise << ',' << r.ambient << ','
-                << r.leakMax << ',' << r.leak99;
-            const std::pair key(findModel(r.model)->id, lightClassOf(float(std::sin(r.lightRadius * std::numbers::pi / 180))));
+            if (isRepeated(r)) continue;
+            const Model* model = findModel(r.model);
+            out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << (!model || model->baseline) << ',' << r.numbers << ','
+                << r.bytes << ',' << r.lightRadius << ',' << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise
+                << ',' << r.ambient << ',' << r.leakMax << ',' << r.leak99;
+            const CostKey key(model ? model->id : kShadowMapId, classOf(r.lightRadius));
             for (const char* family : kFamilies) {
-                out << ',';
-                if (costs.cycles.contains(family)) out << costs.cycles.at(family).at(key);
+                const auto found = costs.cycles.find(family);
+                const Cycles none, &cycles = found != costs.cycles.end() ? found->second : none;
+                cell(cycles.light, key);
+                cell(cycles.pixel, key);
+                cell(cycles.lit, key);
             }
+            cell(costs.time, key);
+            cell(costs.frame, key);
             out << ',';
-            if (!costs.time.empty()) out << costs.time.at(key);
-            const BakeCost& cost = baking.at(recipeOf(r));
-            out << ',' << cost.ratio << ',' << cost.pointsPerSecond << '\n';
+            if (r.texelsPerMetre > 0) out << r.texelsPerMetre;
+            const auto cost = baking.find(recipeOf(r));
+            if (cost != baking.end())
+                out << ',' << cost->second.ratio << ',' << cost->second.pointsPerSecond << '\n';
+            else
+                out << ",,\n";
         }
     return out.str();
 }
@@ -180,7 +131,7 @@ std::string toMaps(const std::vector<Measurement>& all) {
     std::map<std::pair<std::string, std::string>, std::pair<const Measurement*, const MeasureRow*>> worst;
     for (const Measurement& m : all)
         for (const MeasureRow& r : m.rows) {
-            if (r.lightRadius != kMapRadius || (r.source == "rays" && findModel(r.model)->fromVisibility)) continue;
+            if (r.lightRadius != kMapRadius || isRepeated(r)) continue;
             auto& [scene, row] = worst[{r.model, r.source}];
             if (!row || r.rmse > row->rmse) scene = &m, row = &r;
         }
@@ -196,12 +147,8 @@ std::string toMaps(const std::vector<Measurement>& all) {
 }
 
 void run(Arguments a) {
-    if (!a.models.empty())
-        for (const std::string& name : a.models) {
-            const Model* model = findModel(name);
-            if (!model) throw CLI::ValidationError("--models: there is no model '" + name + "' (there are " + modelNames() + ")");
-            a.measure.models.push_back(model);
-        }
+    a.measure.models = parseModels(a.models, a.measure.shadowMap);
+    a.measure.only = !a.models.empty();
     if (a.scenes.empty())
         for (const std::string& name : builtinNames()) a.scenes.push_back("builtin:" + name);
     dropRepeats(a.measure.lightRadii);
@@ -214,7 +161,14 @@ void run(Arguments a) {
     const std::string csv = a.out + "/models.csv", maps = a.out + "/maps.csv", about = a.out + "/about.json";
     requireWritable(csv);
 
-    const Costs costs = measureCosts(casesOf(a.measure.models));
+    std::vector<const Model*> asked = a.measure.models;
+    if (!a.measure.only)
+        for (const Model& model : models()) asked.push_back(&model);
+    std::vector<int> classes;
+    for (const double radius : a.measure.lightRadii)
+        if (const int c = classOf(radius); std::find(classes.begin(), classes.end(), c) == classes.end()) classes.push_back(c);
+    std::fprintf(stderr, "apertura: compiling every model for two Radeons and this machine's device, which takes a minute or two\n");
+    const Costs costs = measureCosts(asked, classes, classOf(kMapRadius));
     std::vector<Measurement> all;
     std::map<std::string, BakeCost> baking;
     {
@@ -248,7 +202,7 @@ void addChartCommand(CLI::App& program) {
         "Example: apertura chart builtin:statue builtin:canyon -o charts");
     command.add_option("SCENE", a->scenes, "scenes as for bake [the nine built-in ones]")->type_name("SCENE ...");
     command.add_option("-o", a->out, "the folder for all of it; made where it is not there")->required()->type_name("DIR");
-    command.add_option("--models", a->models, "of " + modelNames() + " [all]")->delimiter(',')->type_name("A,B,...");
+    command.add_option("--models", a->models, "of " + modelNames() + ", shadow-map [all]")->delimiter(',')->type_name("A,B,...");
     command.add_option("--light-radii", a->measure.lightRadii, "degrees [0.27,1,5,15,30]")
         ->delimiter(',')
         ->check(finiteRange(0.01, 45.0))

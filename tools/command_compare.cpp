@@ -5,6 +5,7 @@
 #include "bake/measure/measure.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
+#include "runtime/asset/view.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 
@@ -26,7 +27,7 @@ nlohmann::ordered_json wholeOrReal(double x) {
 
 nlohmann::ordered_json toJson(const Measurement& m) {
     nlohmann::ordered_json rows = nlohmann::json::array(), paths = nlohmann::json::array();
-    for (const MeasureRow& r : m.rows)
+    for (const MeasureRow& r : m.rows) {
         rows.push_back({{"model", r.model},
                         {"source", r.source},
                         {"numbers", wholeOrReal(r.numbers)},
@@ -40,6 +41,8 @@ nlohmann::ordered_json toJson(const Measurement& m) {
                         {"ambient_rmse", r.ambient},
                         {"leak_max", r.leakMax},
                         {"leak_99", r.leak99}});
+        if (r.texelsPerMetre > 0) rows.back()["texels_per_metre"] = r.texelsPerMetre;
+    }
     for (const PathRow& p : m.paths)
         paths.push_back({{"stage", p.stage},
                          {"source", p.source},
@@ -58,17 +61,17 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     std::printf("%s: %s\n", m.scene.c_str(),
                 m.paths.empty() ? "the whole error, interpolated from the asset's bytes" : "each model's own error, at the receivers");
     std::printf("rmse of E / (L pi sin^2 r) at %d receivers, by light radius in degrees\n", m.receivers);
-    std::printf("%-10s %-5s %7s %6s %7s", "model", "from", "numbers", "bytes", "ambient");
+    std::printf("%-12s %-5s %7s %6s %7s", "model", "from", "numbers", "bytes", "ambient");
     for (double radius : radii) std::printf(" %8g", radius);
     std::printf("\n");
     for (size_t i = 0; i < m.rows.size(); i += radii.size()) {
         const MeasureRow& first = m.rows[i];
-        std::printf("%-10s %-5s %7.4g %6.3g %7.4f", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes, first.ambient);
+        std::printf("%-12s %-5s %7.4g %6.3g %7.4f", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes, first.ambient);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].rmse);
         std::printf("\n");
     }
     const auto footer = [&](const char* name, double MeasureRow::*field) {
-        std::printf("%-39s", name);
+        std::printf("%-41s", name);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[k].*field);
         std::printf("\n");
     };
@@ -77,6 +80,9 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     std::printf(
         "from: sh, the coefficients of what the rays see; rays, straight from them; fit, fitted to them. bytes: of a vertex in the "
         "asset\n");
+    for (const MeasureRow& r : m.rows)
+        if (r.texelsPerMetre > 0 && &r == &m.rows[m.rows.size() - radii.size()])
+            std::printf("shadow-map: %d texels a side over the whole scene, %.3g a metre on average\n", kShadowTexels, r.texelsPerMetre);
     if (m.paths.empty()) return;
     std::printf(
         "\nwhere apertures of coefficients (sh) and of rays part: what each step does to the receiver's own aperture,\n"
@@ -88,14 +94,8 @@ void print(const Measurement& m, const std::vector<double>& radii) {
 }
 
 void run(Arguments a) {
-    if (!a.models.empty()) {
-        a.measure.models.clear();
-        for (const std::string& name : a.models) {
-            const Model* model = findModel(name);
-            if (!model) throw CLI::ValidationError("--models: there is no model '" + name + "' (there are " + modelNames() + ")");
-            a.measure.models.push_back(model);
-        }
-    }
+    a.measure.models = parseModels(a.models, a.measure.shadowMap);
+    a.measure.only = !a.models.empty();
     dropRepeats(a.measure.lightRadii);
     refuseToReplaceInput(a.scene, a.json);
     if (!a.json.empty()) requireWritable(a.json);
@@ -128,7 +128,7 @@ void addCompareCommand(CLI::App& program) {
         "interpolated from what it stores, as the renderer does: the whole error.\n"
         "Example: apertura compare builtin:statue --models aperture,soft --light-radii 1,5");
     command.add_option("SCENE", a->scene, "a scene as for bake, or a baked asset")->required();
-    command.add_option("--models", a->models, modelNames() + " [all]")->delimiter(',')->type_name("A,B,...");
+    command.add_option("--models", a->models, modelNames() + ", and the baseline shadow-map [all]")->delimiter(',')->type_name("A,B,...");
     command.add_option("--light-radii", a->measure.lightRadii, "degrees [0.27,1,5,15,30]")
         ->delimiter(',')
         ->check(finiteRange(0.01, 45.0))

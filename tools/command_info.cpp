@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
 
 #include "runtime/asset/asset.h"
 #include "runtime/asset/params_stream.h"
@@ -30,6 +31,8 @@ nlohmann::ordered_json describeChoices(const Asset& asset) {
         numbers += share * model->numbers;
     }
     return {{"tolerance", asset.info.tolerance},
+            {"price", asset.info.price.empty() ? "numbers" : asset.info.price},
+            {"alone", asset.info.alone},
             {"numbers_per_vertex", numbers},
             {"shares", shares},
             {"unreached", double(unreached) / double(std::max<size_t>(vertices, 1))}};
@@ -82,11 +85,15 @@ void print(const nlohmann::ordered_json& d) {
     std::printf("  stored        %.3g bytes a vertex, %d bits a number\n", d["bytes_per_vertex"].get<double>(), d["bits"].get<int>());
     if (d.contains("auto")) {
         const auto& a = d["auto"];
-        std::printf("  auto          tolerance %g, %.2f numbers a vertex:", a["tolerance"].get<double>(),
-                    a["numbers_per_vertex"].get<double>());
+        std::printf("  needs         least model within %g, by %s:", a["tolerance"].get<double>(),
+                    printable(a["price"].get<std::string>()).c_str());
+        const char* between = " ";
         for (const auto& [name, share] : a["shares"].items())
-            if (share.get<double>() > 0) std::printf(" %s %.1f %%", name.c_str(), 100 * share.get<double>());
-        std::printf("\n");
+            if (share.get<double>() > 0)
+                std::printf("%s%s on %.3g %%", std::exchange(between, ", "), name.c_str(), 100 * share.get<double>());
+        const std::string alone = printable(a["alone"].get<std::string>());
+        std::printf("; as one model for the whole scene: %s\n", alone.empty() ? "none" : alone.c_str());
+        std::printf("  reads         %.2f numbers a vertex\n", a["numbers_per_vertex"].get<double>());
         if (a["unreached"].get<double>() > 0)
             std::printf("                no model reached the tolerance at %.1f %% of the vertices\n", 100 * a["unreached"].get<double>());
         else

@@ -22,6 +22,7 @@ struct Arguments {
     std::string file, out, model, sky, camera;
     double azimuth = 135, elevation = 40, radius = 0.27;
     double width = 960, height = 540;
+    std::string lightAt;
     uint32_t seed = 1;
     int threads = 0;
     HeightMapOptions map;
@@ -76,7 +77,13 @@ void run(const Arguments& a) {
         if (own && !model) model = findModel("soft");
         const Gpu gpu;
         Renderer renderer(gpu, asset);
-        picture = model ? renderer.draw(view, *model) : renderer.drawShadowMapped(view);
+        if (model) {
+            const LightAt better = renderer.betterLightAt(*model, 4.0 * view.width * view.height);
+            const LightAt at = a.lightAt == "vertices" ? LightAt::Vertices : a.lightAt == "pixels" ? LightAt::Pixels : better;
+            picture = renderer.draw(view, *model, at);
+        } else {
+            picture = renderer.drawShadowMapped(view);
+        }
     } else {
         ProgressBar bar("ray tracing");
         const Progress progress = bar.callback();
@@ -109,6 +116,13 @@ void addRenderCommand(CLI::App& program) {
         .add_option_function<std::string>(
             "--size", [a](const std::string& text) { parsePair(text, a->width, a->height); }, "pixels [960x540]")
         ->type_name("WxH");
+    command
+        .add_option(
+            "--light-at", a->lightAt,
+            "where light is evaluated: once a vertex and frame, or at every pixel [vertices, where the model does not mix and they are "
+            "fewer than three times the pixels]")
+        ->check(CLI::IsMember({"vertices", "pixels"}))
+        ->type_name("vertices|pixels");
     command.add_option("--camera", a->camera, "eye, target and vertical field of view in degrees [the asset's own, or all of it]")
         ->type_name("EX,EY,EZ,TX,TY,TZ[,FOV]");
     command.add_option("--seed", a->seed, "of the reference's rays [1]")->type_name("S");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bake/scene/load.h"
+#include "sh/models.h"
 
 namespace apertura {
 
@@ -24,6 +25,10 @@ void dropRepeats(std::vector<double>& numbers);
 
 // The names of all visibility models, separated by commas.
 std::string modelNames();
+
+// The models of a list of names, for --models; `shadowMap` becomes true if that baseline is among them, or if the list is empty. Throws
+// CLI::ValidationError for a name that is no model's.
+std::vector<const Model*> parseModels(const std::vector<std::string>& names, bool& shadowMap);
 
 // The finite numbers of a text such as "1,2.5,3"; empty if it is anything else.
 std::vector<double> parseNumbers(const std::string& text, char separator);

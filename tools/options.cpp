@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "runtime/asset/error.h"
-#include "sh/models.h"
 #include "tools/commands.h"
 
 namespace apertura {
@@ -42,6 +41,21 @@ void dropRepeats(std::vector<double>& numbers) {
 std::string modelNames() {
     std::string out;
     for (const Model& model : models()) out += (out.empty() ? "" : ", ") + std::string(model.name);
+    return out;
+}
+
+std::vector<const Model*> parseModels(const std::vector<std::string>& names, bool& shadowMap) {
+    std::vector<const Model*> out;
+    shadowMap = names.empty();
+    for (const std::string& name : names) {
+        const Model* model = findModel(name);
+        if (name == "shadow-map")
+            shadowMap = true;
+        else if (!model)
+            throw CLI::ValidationError("--models: there is no model '" + name + "' (there are " + modelNames() + ", shadow-map)");
+        else
+            out.push_back(model);
+    }
     return out;
 }
 

@@ -17,20 +17,20 @@ constexpr int kLambdaPoints = 400;  // points over the surface, from which the L
 
 }  // namespace
 
-double lambdaAt(const OcclusionSource& source, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options,
-                double tolerance, const Progress& progress) {
+AutoPlan planAuto(const OcclusionSource& source, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options,
+                  double tolerance, const Progress& progress) {
     std::vector<CandidateErrors> errors(points.size());
     samplePoints(source, points, tools.lattice, options.seed, options.threads, progress,
                  [&](size_t i, const Samples& samples, const glm::mat3& frame) { errors[i] = tryCandidates(tools, samples, frame); });
-    return lambdaFor(errors, tolerance);
+    return {lambdaFor(errors, tolerance, options.price), leastAlone(errors, tolerance, options.price)};
 }
 
 std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options,
                                    const Progress& progress) {
     const Recipe& recipe = recipeNamed(options.recipe);
-    if (recipe.model == MODEL_AUTO && !(options.lambda > 0)) throw Error("the recipe auto needs a lambda: lambdaAt finds it");
+    if (recipe.model == MODEL_AUTO && !(options.lambda > 0)) throw Error("the recipe auto needs a lambda: planAuto finds it");
     const FitTools tools(options.rays, useOf(recipe));
-    const FitOptions fitOptions{options.tolerance, options.lambda};
+    const FitOptions fitOptions{options.tolerance, options.lambda, options.price, options.terrain};
     std::vector<BakedPoint> out(points.size());
     samplePoints(
         source, points, tools.lattice, options.seed, options.threads, progress,
@@ -39,7 +39,7 @@ std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<cons
 }
 
 BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress,
-                             MeshIssues* issues) {
+                             MeshIssues* issues, AutoPlan* plan) {
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
     const Progress placing = part(progress, 0, 0.1), choosing = part(progress, 0.1, 0.2),
@@ -48,11 +48,15 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
     const std::vector<SurfacePoint>& points = vertices.points;
     const RayOcclusion source(tracer, options.maxDistance);
     BakeOptions bakeOptions = options;
+    bakeOptions.terrain = scene.isTerrain;
     if (options.recipe == "auto") {
         std::vector<SurfacePoint> spread;
         for (const SurfaceSample& p : sampleSurface(scene, std::min(kLambdaPoints, int(points.size())), options.seed))
             spread.push_back(p.at);
-        bakeOptions.lambda = lambdaAt(source, spread, FitTools(options.rays, FitTools::Use::Choice), options, options.tolerance, choosing);
+        const AutoPlan found = planAuto(source, spread, FitTools(options.rays, FitTools::Use::Choice), options, options.tolerance,
+                                        choosing);
+        bakeOptions.lambda = found.lambda;
+        if (plan) *plan = found;
     }
     const std::vector<BakedPoint> baked = bakePoints(source, points, bakeOptions, baking);
     const bool stored = recipeNamed(options.recipe).model >= 0;

@@ -14,16 +14,23 @@ struct BakeOptions {
     std::string_view recipe = "sh";  // a name of recipes()
     double tolerance = 0.05;         // "auto" only: the RMSE of E / (L pi sin^2 r) to keep
     double lambda = 0;               // "auto" only: see FitOptions; bakeVertices finds it itself
+    Price price = Price::Numbers;    // "auto" only
     int rays = 256;                  // a point, 1 .. 1 << 20; 1024 and more keep the edges of fitted models steady between vertices
     uint32_t seed = 1;               // of the spin of each point's directions
     double maxDistance = 0;          // bakeVertices only: metres beyond which nothing blocks; 0: no limit
+    bool terrain = false;            // bakePoints only: see FitOptions; bakeVertices takes it from the scene
     int threads = 0;                 // 0: all cores
 };
 
-// The Lagrange multiplier (FitOptions::lambda) at which `auto` keeps an RMSE of `tolerance` over these points. Of
-// `options` it reads seed and threads; `tools` must be made for Use::Choice. Throws Cancelled.
-double lambdaAt(const OcclusionSource& source, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options,
-                double tolerance, const Progress& progress);
+// What `auto` needs to know of a scene before it chooses.
+struct AutoPlan {
+    double lambda;       // the Lagrange multiplier (FitOptions::lambda) at which it keeps an RMSE of the tolerance
+    const Model* alone;  // the least model that would keep it as the only one; nullptr: there is none
+};
+
+// Plans from these points. Of `options` it reads price, seed and threads; `tools` must be made for Use::Choice. Throws Cancelled.
+AutoPlan planAuto(const OcclusionSource& source, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options,
+                  double tolerance, const Progress& progress);
 
 // Bakes each point by the options' recipe; directions in the result are in the world. The result does not depend on the
 // number of threads. Throws Cancelled, and Error where there is no such recipe, or it is "auto" without a lambda.
@@ -31,8 +38,8 @@ std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<cons
                                    const Progress& progress = {});
 
 // Bakes all vertices that triangles use (bake/sampling/vertices.h says where their rays start); the others are closed.
-// `issues`, where given, receives what is doubtful in the scene's meshes.
+// `issues`, where given, receives what is doubtful in the scene's meshes, and `plan` what "auto" went by.
 BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress = {},
-                             MeshIssues* issues = nullptr);
+                             MeshIssues* issues = nullptr, AutoPlan* plan = nullptr);
 
 }  // namespace apertura

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "bake/sampling/directions.h"
 
@@ -49,7 +50,7 @@ std::vector<float> visibleTo(const SampleLattice& lattice, const Model& model, c
 
 namespace {
 
-constexpr double kDearest = 3;  // the largest lambda, in numbers per squared tolerance
+constexpr double kDearest = 3;  // the largest lambda, in units of the price per squared tolerance
 
 std::vector<Candidate> makeCandidates() {
     std::vector<Candidate> out;
@@ -71,16 +72,30 @@ BakedPoint makeCandidate(const Candidate& candidate, const FitTools& tools, cons
     return point;
 }
 
-// Tries candidates in rising order of their numbers, up to the first within the tolerance. Calls error(i) for each one
+// The candidates' places in rising order of their price; equal ones in their own order.
+std::vector<size_t> orderBy(Price price) {
+    std::vector<size_t> out(candidates().size());
+    std::iota(out.begin(), out.end(), size_t(0));
+    std::stable_sort(out.begin(), out.end(),
+                     [&](size_t a, size_t b) { return priceOf(*candidates()[a].model, price) < priceOf(*candidates()[b].model, price); });
+    return out;
+}
+const std::vector<size_t>& ordered(Price price) {
+    static const std::vector<size_t> all[] = {orderBy(Price::Numbers), orderBy(Price::Bytes), orderBy(Price::Cycles)};
+    return all[size_t(price)];
+}
+
+// Tries candidates in rising order of their price, up to the first within the tolerance. Calls error(i) for each one
 // tried and returns the one of the least cost. `reached`: one was within the tolerance.
-size_t pick(double tolerance, double lambda, auto&& error, bool& reached) {
+size_t pick(double tolerance, double lambda, Price price, auto&& error, bool& reached) {
     size_t best = 0;
     double least = 1e30;
     reached = false;
-    for (size_t i = 0; i < candidates().size() && !reached; ++i) {
-        const double e = error(i), cost = candidates()[i].model->numbers + lambda * e * e;
+    for (const size_t i : ordered(price)) {
+        const double e = error(i), cost = priceOf(*candidates()[i].model, price) + lambda * e * e;
         if (cost < least) least = cost, best = i;
         reached = e <= tolerance;
+        if (reached) break;
     }
     return best;
 }
@@ -92,24 +107,28 @@ std::span<const Candidate> candidates() {
     return all;
 }
 
+double priceOf(const Model& model, Price price) {
+    return price == Price::Numbers ? model.numbers : price == Price::Bytes ? (model.isStored() ? storedNumbers(model) : 0) : model.cycles;
+}
+
 CandidateErrors tryCandidates(const FitTools& tools, const Samples& samples, const mat3& frame) {
     CandidateErrors out(candidates().size());
     for (size_t i = 0; i < out.size(); ++i) makeCandidate(candidates()[i], tools, samples, frame, out[i]);
     return out;
 }
 
-double lambdaFor(std::span<const CandidateErrors> points, double tolerance) {
+double lambdaFor(std::span<const CandidateErrors> points, double tolerance, Price price) {
     auto rmse = [&](double lambda) {
         double sum = 0;
         for (const CandidateErrors& errors : points) {
             bool reached;
             const double e = errors[pick(
-                tolerance, lambda, [&](size_t i) { return errors[i]; }, reached)];
+                tolerance, lambda, price, [&](size_t i) { return errors[i]; }, reached)];
             sum += e * e;
         }
         return std::sqrt(sum / double(points.size()));
     };
-    const double scale = 1 / (tolerance * tolerance);
+    const double scale = priceOf(models()[MODEL_FIRM_4], price) / 12 / (tolerance * tolerance);
     double low = std::log(1e-3 * scale), high = std::log(kDearest * scale);
     for (int i = 0; i < 40; ++i) {
         const double middle = (low + high) / 2;
@@ -118,11 +137,20 @@ double lambdaFor(std::span<const CandidateErrors> points, double tolerance) {
     return std::exp(high);
 }
 
+const Model* leastAlone(std::span<const CandidateErrors> points, double tolerance, Price price) {
+    for (const size_t i : ordered(price)) {
+        double sum = 0;
+        for (const CandidateErrors& errors : points) sum += errors[i] * errors[i];
+        if (std::sqrt(sum / double(points.size())) <= tolerance) return candidates()[i].model;
+    }
+    return nullptr;
+}
+
 BakedPoint chooseModel(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options) {
     std::vector<BakedPoint> made(candidates().size());
     bool reached;
     const size_t best = pick(
-        options.tolerance, options.lambda,
+        options.tolerance, options.lambda, options.price,
         [&](size_t i) {
             double error;
             made[i] = makeCandidate(candidates()[i], tools, samples, frame, error);

@@ -22,6 +22,9 @@ struct Candidate {
     const Recipe* recipe;
 };
 
+// What a point of the model costs. For bytes the three that store nothing cost nothing.
+double priceOf(const Model& model, Price price);
+
 // All candidates, in rising order of the numbers that their light formula reads.
 std::span<const Candidate> candidates();
 
@@ -30,10 +33,13 @@ using CandidateErrors = std::vector<double>;  // for each candidate, the larger 
 // Makes every candidate for one point. `frame` takes the samples' directions to the world.
 CandidateErrors tryCandidates(const FitTools& tools, const Samples& samples, const mat3& frame);
 
-// The lambda at which `auto` uses the fewest numbers for an RMSE of `tolerance` over all points, if every point takes the
-// candidate with the least numbers + lambda * error^2. Where no lambda reaches the tolerance, the result is 3 /
-// tolerance^2: a further number must then gain a third of tolerance^2.
-double lambdaFor(std::span<const CandidateErrors> points, double tolerance);
+// The lambda at which `auto` pays the least for an RMSE of `tolerance` over all points, if every point takes the candidate with the least
+// price + lambda * error^2. Where no lambda reaches the tolerance, the result is 3 units / tolerance^2, a unit being a twelfth of the
+// price of MODEL_FIRM_4 (one number): a further unit must then gain a third of tolerance^2.
+double lambdaFor(std::span<const CandidateErrors> points, double tolerance, Price price = Price::Numbers);
+
+// The least model, by its price, that alone keeps an RMSE of `tolerance` over all points; nullptr where none does.
+const Model* leastAlone(std::span<const CandidateErrors> points, double tolerance, Price price = Price::Numbers);
 
 // The `make` of the recipe "auto", at options.lambda: the result's params hold those of the chosen model, and its Choice.
 BakedPoint chooseModel(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options);

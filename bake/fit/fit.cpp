@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "bake/fit/choose.h"
+#include "bake/fit/rivals.h"
 #include "runtime/asset/error.h"
 #include "sh/soft.h"
 
@@ -15,6 +16,8 @@ constexpr float kCapSharpness = 120;  // length of the slope of the soft-edged l
 constexpr int kLongSteps = 40;        // for fits with one start that may be far from the solution
 constexpr float kAmbientWeight = 60;  // keeps the sky's E right to about 0.003
 
+}  // namespace
+
 Visibility project(const Samples& samples) {
     const SampleLattice& lattice = *samples.lattice;
     std::vector<vec3> open;
@@ -22,6 +25,8 @@ Visibility project(const Samples& samples) {
         if (samples.isOpen(i)) open.push_back(lattice.directions()[i]);
     return toVisibility(apertura::project(open, lattice.solidAngle()));
 }
+
+namespace {
 
 Visibility sumUp(const Samples& samples) {
     const SampleLattice& lattice = *samples.lattice;
@@ -150,22 +155,6 @@ BakedPoint bands(const FitTools&, const Samples& samples, const mat3&, const Fit
     return out;
 }
 
-// The sine of elevation of the highest blocked direction in each sector.
-BakedPoint heights(const FitTools&, const Samples& samples, const mat3& frame, const FitOptions&) {
-    const SampleLattice& lattice = *samples.lattice;
-    const vec3 normal = frame[2], tangent = tangentTo(normal), side = cross(normal, tangent);
-    BakedPoint out{project(samples), {}};
-    float* height = &out.params[0].x;
-    for (size_t i = 0; i < lattice.directions().size(); ++i) {
-        if (samples.isOpen(i)) continue;
-        const vec3 w = lattice.directions()[i], world = frame * w;
-        const float turn = std::atan2(dot(side, world), dot(tangent, world)) * HORIZON_AZIMUTHS / (2 * PI);
-        float& h = height[size_t(std::lround(turn) + HORIZON_AZIMUTHS) % HORIZON_AZIMUTHS];
-        h = std::max(h, w.z);
-    }
-    return out;
-}
-
 constexpr Recipe kRecipes[] = {
     {"sh", "sh", -1, -1, "the four coefficients of the visibility itself", fromSh},
     {"rays", "rays", -1, -1, "area and mean direction straight from the rays", fromRays},
@@ -183,7 +172,14 @@ constexpr Recipe kRecipes[] = {
     {"multi-3", "fit", MODEL_MULTI_3, -1, "three apertures", caps<3>},
     {"multi-4", "fit", MODEL_MULTI_4, -1, "four apertures", caps<4>},
     {"cap-anti", "fit", MODEL_CAP_ANTI, -1, "two of aperture and anti-aperture", capAnti},
-    {"horizon", "rays", MODEL_HORIZON, -1, "the horizon at 16 azimuths", heights},
+    {"horizon-4", "rays", MODEL_HORIZON_4, -1, "the horizon at 4 azimuths", horizon<4>},
+    {"horizon-8", "rays", MODEL_HORIZON_8, -1, "the horizon at 8 azimuths", horizon<8>},
+    {"horizon-16", "rays", MODEL_HORIZON_16, -1, "the horizon at 16 azimuths", horizon<16>},
+    {"horizon-32", "rays", MODEL_HORIZON_32, -1, "the horizon at 32 azimuths", horizon<32>},
+    {"cube-6", "fit", MODEL_CUBE_6, -1, "visibility as an ambient cube", ambientCube},
+    {"zh3", "sh", MODEL_ZH3, -1, "SH bands 0 and 1 and a zonal band 2", zonalBand},
+    {"bits-32", "rays", MODEL_BITS_32, -1, "32 sectors of the hemisphere as bits", sectors<4>},
+    {"bits-128", "rays", MODEL_BITS_128, -1, "128 sectors as bits", sectors<8>},
     {"auto", "fit", MODEL_AUTO, -1, "the least model for each point", chooseModel},
 };
 
@@ -208,8 +204,9 @@ std::span<const Recipe> recipes() {
 }
 
 const Recipe* findRecipe(std::string_view name) {
+    const Model* model = findModel(name);  // a model may have an alias
     for (const Recipe& recipe : kRecipes)
-        if (recipe.name == name) return &recipe;
+        if (recipe.name == name || (model && recipe.name == model->name)) return &recipe;
     return nullptr;
 }
 

@@ -29,9 +29,18 @@ struct FitTools {
     std::vector<Probes> probes;  // 5 and 15 degrees; empty unless made for Use::Choice
 };
 
+// What `auto` spends as little of as it can.
+enum class Price {
+    Numbers,  // that the light's formula reads
+    Bytes,    // that a point stores beside the four numbers, at 8 bits a number
+    Cycles,   // of a light of 5 degrees (Model::cycles)
+};
+
 struct FitOptions {
-    double tolerance = 0.05;  // `auto` only: RMSE of E / (L pi sin^2 r)
-    double lambda = 0;        // `auto` only: numbers that a unit of squared error is worth; see lambdaFor in bake/fit/choose.h
+    double tolerance = 0.05;       // `auto` only: RMSE of E / (L pi sin^2 r)
+    double lambda = 0;             // `auto` only: of the price, what a unit of squared error is worth; see lambdaFor in bake/fit/choose.h
+    Price price = Price::Numbers;  // `auto` only
+    bool terrain = false;          // horizons only: about the vertical, +Y, and not about the receiver's normal
 };
 
 // A way to make a model from rays: one line of `compare`, and one name for `bake --model`.
@@ -44,6 +53,9 @@ struct Recipe {
     // `frame` takes the samples' directions to the world; the result stays in the samples' frame.
     BakedPoint (*make)(const FitTools&, const Samples&, const mat3& frame, const FitOptions&);
 };
+
+// The four numbers of samples, by their SH coefficients, in the samples' frame.
+Visibility project(const Samples& samples);
 
 std::span<const Recipe> recipes();
 

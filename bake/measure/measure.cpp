@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 
 #include "bake/fit/bake.h"
 #include "bake/fit/choose.h"
-#include "bake/sampling/directions.h"
+#include "bake/measure/rows.h"
 #include "bake/sampling/progress.h"
 #include "runtime/asset/receiver.h"
 #include "sh/packing.h"
@@ -19,116 +20,11 @@ namespace apertura {
 namespace {
 
 using std::numbers::pi;
-constexpr double kLeakCosine = 0.1;  // leaks count for lights whose cosine to the normal is above this
-constexpr double kPathRadius = 5;    // degrees, light radius of PathRow::irradianceRms
-
-// The model's E / (L pi sin^2 r).
-float modelValue(int model, const Receiver& receiver, const CapLight& light) {
-    return irradianceThrough(model, receiver, light, lightClassOf(light.sinRadius)) / light.area;
-}
-
-// The receivers of a scene, their lights, and the truth for each radius.
-struct LitReceivers {
-    std::vector<SurfaceSample> points;
-    std::vector<std::vector<glm::vec3>> lights;                // [receiver][light]
-    std::vector<std::vector<std::vector<TruthSample>>> truth;  // [receiver][radius][light]
-
-    std::vector<SurfacePoint> surfacePoints() const {
-        std::vector<SurfacePoint> out;
-        out.reserve(points.size());
-        for (const SurfaceSample& p : points) out.push_back(p.at);
-        return out;
-    }
-};
-
-LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options,
-                               const Progress& progress) {
-    LitReceivers lit;
-    lit.points = sampleSurface(scene, options.receivers, options.seed, region.region);
-    const size_t n = lit.points.size();
-    lit.lights.resize(n);
-    lit.truth.resize(n);
-    ProgressCounter counter(progress, n);
-    tbb::parallel_for(size_t(0), n, [&](size_t i) {
-        if (counter.stopped()) return;
-        const SurfacePoint& point = lit.points[i].at;
-        lit.lights[i] = lightDirections(region, point, options.seed, i);
-        for (size_t r = 0; r < options.lightRadii.size(); ++r) {
-            std::vector<TruthSample> row;
-            for (size_t k = 0; k < lit.lights[i].size(); ++k)
-                row.push_back(traceLight(tracer, point, lit.lights[i][k], options.lightRadii[r] * pi / 180, options.lightSamples,
-                                         2 * pi * hashUnit(options.seed, i, 100 + k)));
-            lit.truth[i].push_back(std::move(row));
-        }
-        counter.add(1);
-    });
-    counter.throwIfStopped();
-    return lit;
-}
-
-// One model at every receiver, as weighted Receivers: one if the model's parameters may be interpolated, else three, those
-// of the triangle's corners.
-struct ModelReceivers {
-    const Model* model;
-    std::string source;
-    double numbers, bytes;
-    std::vector<std::vector<std::pair<float, Receiver>>> receivers;
-};
-
-void addRows(const LitReceivers& lit, const ModelReceivers& made, const std::vector<Visibility>& truth, const MeasureOptions& options,
-             std::vector<MeasureRow>& rows) {
-    const size_t n = made.receivers.size();
-    double ambient = 0;
-    for (size_t i = 0; i < n; ++i) {
-        double sky = -std::max(glm::dot(lit.points[i].at.normal, truth[i].direction), 0.0f);
-        for (const auto& [weight, receiver] : made.receivers[i]) sky += weight * skyIrradiance(made.model->id, receiver);
-        ambient += sky * sky / (pi * pi);
-    }
-    for (size_t r = 0; r < options.lightRadii.size(); ++r) {
-        MeasureRow row;
-        row.model = made.model->name;
-        row.source = made.source;
-        row.numbers = made.numbers;
-        row.bytes = made.bytes;
-        row.lightRadius = options.lightRadii[r];
-        row.ambient = std::sqrt(ambient / double(n));
-        size_t count = 0;
-        std::vector<double> leaks;
-        for (size_t i = 0; i < n; ++i) {
-            double here = 0;
-            for (size_t k = 0; k < lit.lights[i].size(); ++k) {
-                const TruthSample& sample = lit.truth[i][r][k];
-                const CapLight light = capLight(lit.lights[i][k], float(std::sin(row.lightRadius * pi / 180)));
-                double e = -sample.mean();
-                const bool blocked = sample.first <= 0 && sample.second <= 0
-                                  && glm::dot(lit.lights[i][k], lit.points[i].at.normal) > kLeakCosine;
-                for (const auto& [weight, receiver] : made.receivers[i]) e += weight * modelValue(made.model->id, receiver, light);
-                if (blocked) leaks.push_back(e);
-                here += e * e;
-                row.bias += e;
-                row.max = std::max(row.max, std::abs(e));
-                row.rmsTruth += double(sample.mean()) * sample.mean();
-                row.noise += double(sample.noise()) * sample.noise();
-                ++count;
-            }
-            row.rmse += here;
-            row.receiverRmse.push_back(float(std::sqrt(here / double(lit.lights[i].size()))));
-        }
-        row.rmse = std::sqrt(row.rmse / double(count));
-        row.rmsTruth = std::sqrt(row.rmsTruth / double(count));
-        row.noise = std::sqrt(row.noise / double(count));
-        row.bias /= double(count);
-        if (!leaks.empty()) {
-            std::sort(leaks.begin(), leaks.end());
-            row.leakMax = std::max(leaks.back(), 0.0);
-            row.leak99 = std::max(leaks[size_t(0.99 * double(leaks.size() - 1))], 0.0);
-        }
-        rows.push_back(row);
-    }
-}
+constexpr double kPathRadius = 5;  // degrees, light radius of PathRow::irradianceRms
 
 bool asked(const MeasureOptions& options, const Model& model) {
-    return options.models.empty() || std::find(options.models.begin(), options.models.end(), &model) != options.models.end();
+    return (options.models.empty() && !options.only)
+        || std::find(options.models.begin(), options.models.end(), &model) != options.models.end();
 }
 
 // The models that a recipe's points are measured with: the recipe's own, or all that are derived from the four numbers.
@@ -144,8 +40,10 @@ std::vector<const Model*> modelsOf(const Recipe& recipe, const MeasureOptions& o
     return out;
 }
 
-// Count of numbers stored beside the four.
-int storedAt(const Model& model, const Recipe& recipe) { return recipe.model >= 0 ? storedNumbers(model) : 0; }
+// Bytes a point: the four numbers and what is stored beside them, or what a rival takes alone.
+double bytesOf(const Model& model, const Recipe& recipe) {
+    return model.ownBytes > 0 ? model.ownBytes : 4 + (recipe.model >= 0 ? storedNumbers(model) : 0);
+}
 
 // Mean count of numbers that the models chosen by `auto` read.
 double chosenNumbers(const Asset& asset) {
@@ -287,9 +185,9 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
     for (const Recipe& recipe : recipes())
         if (auto models = modelsOf(recipe, options); !models.empty()) wanted.emplace_back(&recipe, models);
     const FitTools tools(options.rays);
-    FitOptions fitOptions{options.tolerance};
+    FitOptions fitOptions{.tolerance = options.tolerance, .terrain = scene.isTerrain};
     if (asked(options, models()[MODEL_AUTO]))
-        fitOptions.lambda = lambdaAt(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7));
+        fitOptions.lambda = planAuto(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7)).lambda;
     std::vector<std::vector<BakedPoint>> baked(wanted.size(), std::vector<BakedPoint>(points.size()));
     std::vector<Visibility> sh(points.size()), rays(points.size()), transfer(points.size());
     samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.7, 0.95),
@@ -308,7 +206,7 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
     for (size_t k = 0; k < wanted.size(); ++k) {
         const Recipe& recipe = *wanted[k].first;
         for (const Model* model : wanted[k].second) {
-            ModelReceivers made{model, std::string(recipe.source), double(model->numbers), 4.0 + storedAt(*model, recipe), {}};
+            ModelReceivers made{model, std::string(recipe.source), double(model->numbers), bytesOf(*model, recipe), {}};
             double chosen = 0, bytes = 0, missed = 0;
             for (size_t i = 0; i < points.size(); ++i) {
                 const BakedPoint& p = baked[k][i];
@@ -331,6 +229,7 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
             addRows(lit, made, sh, options, out.rows);
         }
     }
+    if (options.shadowMap) addShadowRows(lit, tracer, worldBounds(scene), sh, options, out.rows);
     bake.recipe = "sh";
     out.paths = comparePaths(scene, tracer, lit, sh, rays, transfer, bake, part(progress, 0.95, 1));
     return out;
@@ -366,6 +265,7 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
             made.receivers.push_back(receiverAt(asset, model, p.instance, p.triangle, p.weights, p.at.normal));
         addRows(lit, made, truth, options, out.rows);
     }
+    if (options.shadowMap) addShadowRows(lit, tracer, worldBounds(asset.scene), truth, options, out.rows);
     return out;
 }
 

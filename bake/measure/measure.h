@@ -10,7 +10,9 @@
 namespace apertura {
 
 struct MeasureOptions {
-    std::vector<const Model*> models;                    // empty: all
+    std::vector<const Model*> models;
+    bool only = false;                                   // `models` alone, even where it is empty; false: all, where it is
+    bool shadowMap = true;                               // and the baseline of a shadow map
     std::vector<double> lightRadii{0.27, 1, 5, 15, 30};  // degrees, above 0, at most 45
     int receivers = 600;
     int rays = 4096;         // per receiver, to compute the models from
@@ -25,7 +27,8 @@ struct MeasureRow {
     std::string model;
     std::string source;      // the model is computed from: sh, rays or fit
     double numbers = 0;      // per point, that the light's formula reads; for `auto` the mean
-    double bytes = 0;        // per point of an asset: the four numbers and what is stored beside them; 8 bits each from measureScene
+    double bytes = 0;        // per point of an asset: the four numbers and what is stored beside them; 8 bits each from measureScene,
+                             // which gives a rival's bytes as its authors pack it, alone
     double lightRadius = 0;  // degrees
     double rmse = 0, bias = 0, max = 0;
     double rmsTruth = 0;  // RMS of the truth itself
@@ -34,6 +37,7 @@ struct MeasureRow {
     // Light that the model lets through where the truth is 0, for lights with a cosine to the normal over 0.1 (6 degrees
     // above the surface): the maximum and the 99th percentile. 0 if there are no such lights.
     double leakMax = 0, leak99 = 0;
+    double texelsPerMetre = 0;        // of a shadow map, the mean over the lights; 0 for models
     std::vector<float> receiverRmse;  // one per receiver
 };
 

@@ -27,7 +27,7 @@ public:
         std::vector<CapLight> caps;
         glm::vec3 irradiance(0);
         for (const Light& light : view_.lights) {
-            const CapLight cap = capSeenFrom(hit->at.position, light);
+            const CapLight cap = capSeenFrom(hit->at.position, light, LIGHTS_ANY);
             irradiance += fromLight(light, cap, origin, hit->at.normal, sample, caps.size());
             caps.push_back(cap);
         }

@@ -22,7 +22,10 @@ void samplePoints(const OcclusionSource& source, std::span<const SurfacePoint> p
             const glm::mat3 frame = frameFromZ(points[i].normal, 2 * std::numbers::pi * hashUnit(seed, i, 0));
             for (size_t k = 0; k < directions.size(); ++k) directions[k] = frame * lattice.directions()[k];
             source.occluded(points[i], directions, blocked.data());
-            use(i, Samples(lattice, blocked), frame);
+            Samples samples(lattice, blocked);
+            samples.source = &source;
+            samples.point = &points[i];
+            use(i, samples, frame);
             counter.add(1);
         }
     });

@@ -37,9 +37,15 @@ private:
     std::vector<glm::vec3> directions_;
 };
 
+class OcclusionSource;  // bake/sampling/occlusion.h
+struct SurfacePoint;    // bake/sampling/solids.h
+
 // Visibility in each direction of a lattice.
 struct Samples {
     const SampleLattice* lattice;
+    // Where they come from, for fits that ask for other directions too: null for samples that were not taken by samplePoints.
+    const OcclusionSource* source = nullptr;
+    const SurfacePoint* point = nullptr;
     std::vector<float> open;     // 0 or 1, at the lattice's places
     std::vector<uint64_t> bits;  // 1 open; in the order of byHeight, 0 beyond the last
 

@@ -201,6 +201,7 @@ std::optional<BuiltinScene> findBuiltin(const std::string& name) {
     if (found == std::end(kBuiltins)) return std::nullopt;
     BuiltinScene out;
     out.scene.name = name;
+    out.scene.isTerrain = name == "builtin:terrain";
     found->make(out);
     validate(out.scene);
     return out;

@@ -167,6 +167,7 @@ Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
     runIsolated(path, limitsFor(path, 10), send, receive);
     Scene scene;
     scene.name = path;
+    scene.isTerrain = true;
     Surface surface;
     const double x0 = -0.5 * (map.width - 1) * options.spacingX, z0 = -0.5 * (map.height - 1) * options.spacingZ;
     std::vector<uint32_t> vertex(map.values.size(), UINT32_MAX);

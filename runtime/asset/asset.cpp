@@ -88,11 +88,14 @@ void addScene(GltfWriter& writer, Scene& scene) {
 }
 
 Json describe(const BakeInfo& info) {
-    return {{"version", info.version},     {"scene", info.scene},
-            {"model", info.model},         {"tolerance", info.tolerance},
-            {"rays", info.rays},           {"bits", info.bits},
-            {"seed", info.seed},           {"maxDistance", info.maxDistance},
-            {"rayOffset", info.rayOffset}, {"hemisphere", info.hemisphere}};
+    Json out{{"version", info.version},     {"scene", info.scene},
+             {"model", info.model},         {"tolerance", info.tolerance},
+             {"rays", info.rays},           {"bits", info.bits},
+             {"seed", info.seed},           {"maxDistance", info.maxDistance},
+             {"rayOffset", info.rayOffset}, {"hemisphere", info.hemisphere}};
+    if (!info.price.empty()) out["price"] = info.price;
+    if (!info.alone.empty()) out["alone"] = info.alone;
+    return out;
 }
 
 const Json& describedIn(const Json& json) { return listOf(listOf(json["asset"], "extras"), "apertura"); }
@@ -238,6 +241,8 @@ BakeInfo readInfo(const Json& said, const std::string& name) {
     info.rayOffset = number("rayOffset", 0);
     info.hemisphere = text("hemisphere");
     info.tolerance = number("tolerance", 0);
+    info.price = text("price");
+    info.alone = text("alone");
     return info;
 }
 

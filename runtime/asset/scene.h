@@ -45,6 +45,7 @@ struct Scene {
     std::vector<Surface> surfaces;
     std::vector<Instance> instances;
     std::optional<Camera> camera;
+    bool isTerrain = false;                  // made from heights over a plane: from a height map, or builtin:terrain
     std::vector<std::string> notes;          // faults of the file that the reader works around, a line each
     std::shared_ptr<GltfDocument> document;  // the glTF file that it came from, unchanged; else null
 };

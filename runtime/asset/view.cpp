@@ -1,5 +1,6 @@
 #include "runtime/asset/view.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace apertura {
@@ -42,6 +43,30 @@ glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest) {
 glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v) {
     const double t = std::tan(camera.verticalFov / 2);
     return glm::vec3(cameraFrame(camera) * glm::dvec3((2 * u - 1) * t * aspect, (1 - 2 * v) * t, -1));
+}
+
+ShadowView shadowViewOf(const Light& light, const Box& bounds) {
+    const vec3 towards(light.cap.axis), right = tangentTo(towards), up = cross(towards, right);
+    vec3 low(1e30f), high(-1e30f);
+    for (int corner = 0; corner < 8; ++corner) {
+        const vec3 p(corner & 1 ? bounds.high.x : bounds.low.x, corner & 2 ? bounds.high.y : bounds.low.y,
+                     corner & 4 ? bounds.high.z : bounds.low.z);
+        const vec3 seen(dot(p, right), dot(p, up), dot(p, towards));
+        low = glm::min(low, seen);
+        high = glm::max(high, seen);
+    }
+    const vec3 size = glm::max(high - low, vec3(1e-6f)) * 1.02f, centre = 0.5f * (low + high);
+    // Rows of the matrix: x and y cover the extent, z is 0 at the far end and 1 at the near one.
+    auto row = [](const vec3& axis, float scale, float shift) { return vec4(axis * scale, shift); };
+    ShadowView view;
+    view.toLight = transpose(mat4(row(right, 2 / size.x, -2 * centre.x / size.x), row(up, -2 / size.y, 2 * centre.y / size.y),
+                                  row(towards, 1 / size.z, 0.5f - centre.z / size.z), vec4(0, 0, 0, 1)));
+    view.right = vec4(right, 1 / size.x);
+    view.up = vec4(up, 1 / size.y);
+    view.towards = vec4(towards, 1 / size.z);
+    const float s = light.cap.sinRadius;
+    view.shape = vec4(s / std::sqrt(std::max(1 - s * s, 1e-6f)), kShadowTexels, std::max(size.x, size.y) / kShadowTexels, 0);
+    return view;
 }
 
 }  // namespace apertura

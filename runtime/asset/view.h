@@ -29,4 +29,9 @@ glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest);
 // World direction, not unit, through the point (u, v) of the picture; u and v are 0..1 from its top left corner.
 glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v);
 
+constexpr int kShadowTexels = 2048;  // of a shadow map, a side
+
+// How a shadow map of a directional light sees a scene with these bounds (world, metres): its texels cover all of it.
+ShadowView shadowViewOf(const Light& light, const Box& bounds);
+
 }  // namespace apertura

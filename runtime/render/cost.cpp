@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <string_view>
 
 #include "cost.comp.h"
-#include "runtime/render/resources.h"
+#include "runtime/render/draw.h"
+#include "runtime/render/scene_shaders.h"
 #include "sh/models.h"
+#include "shadow.frag.h"
 
 namespace apertura {
 namespace {
@@ -45,12 +48,13 @@ float typicalSize(int lightClass) {
     return lightClass == LIGHTS_SUN ? 0.00465f : lightClass == LIGHTS_SMALL ? 0.0436f : lightClass == LIGHTS_MEDIUM ? 0.087f : 0.259f;
 }
 
-// Reads the compiler's statistics of one pipeline.
-CompiledCost read(const Gpu& gpu, vk::Pipeline pipeline) {
+// Reads the compiler's statistics of one stage of a pipeline.
+CompiledCost read(const Gpu& gpu, vk::Pipeline pipeline, vk::ShaderStageFlagBits stage) {
     const vk::raii::Device& device = gpu.handles().device;
     CompiledCost out;
-    const size_t executables = device.getPipelineExecutablePropertiesKHR({.pipeline = pipeline}).size();
-    for (uint32_t i = 0; i < executables; ++i)
+    const auto executables = device.getPipelineExecutablePropertiesKHR({.pipeline = pipeline});
+    for (uint32_t i = 0; i < executables.size(); ++i) {
+        if (!(executables[i].stages & stage)) continue;
         for (const auto& s : device.getPipelineExecutableStatisticsKHR({.pipeline = pipeline, .executableIndex = i})) {
             const std::string_view name = s.name.data();
             const int value = int(s.value.u64);
@@ -59,9 +63,40 @@ CompiledCost read(const Gpu& gpu, vk::Pipeline pipeline) {
             if (name == "Latency") out.latency = value;
             if (name == "VGPRs") out.registers = value;
         }
+    }
     if (out.cycles == 0) throw Error("Vulkan: " + gpu.name() + " states no inverse throughput");
     return out;
 }
+
+// Times commands by the device's clock.
+class Stopwatch {
+public:
+    explicit Stopwatch(const Gpu& gpu)
+        : gpu_(gpu),
+          pool_(make<vk::raii::QueryPool>(gpu, vk::QueryPoolCreateInfo{.queryType = vk::QueryType::eTimestamp, .queryCount = 2})) {
+        if (gpu.clockTick() <= 0) throw Error("Vulkan: " + gpu.name() + " has no clock for its commands");
+    }
+    template <class Record>
+    double seconds(const Record& record) const {
+        gpu_.run([&](vk::CommandBuffer commands) {
+            commands.resetQueryPool(*pool_, 0, 2);
+            commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, 0);
+            record(commands);
+            commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, 1);
+        });
+        const auto ticks = checked([&] {
+            return pool_
+                .getResults<uint64_t>(0, 2, 2 * sizeof(uint64_t), sizeof(uint64_t),
+                                      vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait)
+                .second;
+        });
+        return std::max(double(ticks[1] - ticks[0]), 1.0) * gpu_.clockTick();
+    }
+
+private:
+    const Gpu& gpu_;
+    vk::raii::QueryPool pool_;
+};
 
 }  // namespace
 
@@ -69,38 +104,99 @@ std::vector<CompiledCost> compiledCosts(const Gpu& gpu, std::span<const CostCase
     const GpuBindings bindings = makeBindings(gpu, nullptr, nullptr, nullptr);
     std::vector<CompiledCost> out;
     for (const auto& pipeline : makePipelines(gpu, cases, bindings, vk::PipelineCreateFlagBits::eCaptureStatisticsKHR))
-        out.push_back(checked([&] { return read(gpu, *pipeline); }));
+        out.push_back(checked([&] { return read(gpu, *pipeline, vk::ShaderStageFlagBits::eCompute); }));
+    return out;
+}
+
+std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const PixelCase> cases) {
+    constexpr auto uniform = vk::DescriptorType::eUniformBufferDynamic, storage = vk::DescriptorType::eStorageBuffer;
+    constexpr vk::ShaderStageFlags both = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
+    const GpuBindings::Binding lit[] = {
+        {uniform, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr}};
+    const GpuBindings::Binding mapped[] = {{uniform, both, nullptr},
+                                           {storage, both, nullptr},
+                                           {storage, both, nullptr},
+                                           {uniform, both, nullptr},
+                                           {vk::DescriptorType::eSampledImage, both, nullptr}};
+    const GpuBindings bindings(gpu, lit), mapBindings(gpu, mapped);
+    constexpr auto capture = vk::PipelineCreateFlagBits::eCaptureStatisticsKHR;
+    constexpr auto format = vk::Format::eR8G8B8A8Srgb;
+    std::vector<CompiledCost> out;
+    const auto compile = [&](const DrawShaders& shaders, const GpuBindings& with) {
+        const vk::raii::Pipeline pipeline = makePipeline(gpu, shaders, with, format, capture);
+        return checked([&] { return read(gpu, *pipeline, vk::ShaderStageFlagBits::eFragment); });
+    };
+    // Compilers guess how often a loop runs, and Mesa guesses 8: what a corner costs is counted once and taken three times, and the cost of
+    // the shadow map's taps four times, for 32.
+    const auto times = [](CompiledCost cost, const CompiledCost& without, int factor) {
+        cost.cycles += (factor - 1) * (cost.cycles - without.cycles);
+        cost.instructions += (factor - 1) * (cost.instructions - without.instructions);
+        return cost;
+    };
+    static_assert(SHADOW_TAPS == 4 * 8);
+    std::map<int, CompiledCost> plain;  // N.L by class
+    for (const PixelCase& c : cases) {
+        if (!plain.contains(c.lightClass)) {
+            const int32_t constants[] = {MODEL_UNSHADOWED, c.lightClass, 0};
+            plain[c.lightClass] = compile({scene_vert, sceneFragment(Corners::Mixed, true), constants}, bindings);
+        }
+        const CompiledCost& none = plain[c.lightClass];
+        if (!c.model) {
+            out.push_back(times(compile({scene_vert, shadow_frag}, mapBindings), none, 4));
+        } else if (c.at == LightAt::Vertices) {
+            const int32_t constants[] = {c.model->id, 0, c.lightClass};
+            out.push_back(compile({lit_vert, lit_frag, constants}, bindings));
+        } else {
+            const int32_t constants[] = {c.model->id, c.lightClass, c.model->slots};
+            const Corners corners = c.model->mixes ? Corners::Mixed : Corners::One;
+            out.push_back(times(compile({scene_vert, sceneFragment(corners, true), constants}, bindings), none, c.model->mixes ? 1 : 3));
+        }
+    }
     return out;
 }
 
 std::vector<double> measuredCosts(const Gpu& gpu, std::span<const CostCase> cases, int points, int rounds) {
-    if (gpu.clockTick() <= 0) throw Error("Vulkan: " + gpu.name() + " has no clock for its commands");
     const GpuBuffer receivers = makePoints(gpu, points);
     const GpuBuffer results(gpu, size_t(points) * sizeof(float), vk::BufferUsageFlagBits::eStorageBuffer, GpuBuffer::Place::Device);
     const GpuBuffer lightBuffer(gpu, sizeof(Light), vk::BufferUsageFlagBits::eUniformBuffer, GpuBuffer::Place::Host);
     const GpuBindings bindings = makeBindings(gpu, &receivers, &results, &lightBuffer);
     const std::vector<vk::raii::Pipeline> pipelines = makePipelines(gpu, cases, bindings, {});
-    const auto pool = make<vk::raii::QueryPool>(gpu, vk::QueryPoolCreateInfo{.queryType = vk::QueryType::eTimestamp, .queryCount = 2});
+    const Stopwatch stopwatch(gpu);
     std::vector<double> least(cases.size(), 1e30);
     for (int round = 0; round < rounds; ++round)
         for (size_t i = 0; i < cases.size(); ++i) {
             const Light light{capLight(vec3(0.6f, 0.64f, 0.48f), typicalSize(cases[i].lightClass)), vec4(0), vec4(1)};
             std::memcpy(lightBuffer.data(), &light, sizeof light);
-            gpu.run([&](vk::CommandBuffer commands) {
-                commands.resetQueryPool(*pool, 0, 2);
-                commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool, 0);
+            least[i] = std::min(least[i], stopwatch.seconds([&](vk::CommandBuffer commands) {
                 commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines[i]);
                 bindings.bind(commands, vk::PipelineBindPoint::eCompute);
                 commands.dispatch(uint32_t(points / 64), 1, 1);
-                commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool, 1);
-            });
-            const auto ticks = checked([&] {
-                return pool
-                    .getResults<uint64_t>(0, 2, 2 * sizeof(uint64_t), sizeof(uint64_t),
-                                          vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait)
-                    .second;
-            });
-            least[i] = std::min(least[i], std::max(double(ticks[1] - ticks[0]), 1.0) * gpu.clockTick());
+            }));
+        }
+    return least;
+}
+
+std::vector<double> measuredFrames(const Gpu& gpu, const View& view, std::span<const FrameCase> cases, int rounds) {
+    constexpr auto format = VK_FORMAT_R8G8B8A8_SRGB;
+    const Offscreen images(gpu, {uint32_t(view.width), uint32_t(view.height)}, vk::Format(format));
+    const Stopwatch stopwatch(gpu);
+    for (const FrameCase& c : cases) {
+        if (c.model)
+            c.renderer->prepare(*c.model, lightClassOf(view), format, c.at, int(view.lights.size()));
+        else
+            c.renderer->prepareShadowMapped(format);
+    }
+    gpu.run([&](VkCommandBuffer commands) { images.begin(commands); });
+    std::vector<double> least(cases.size(), 1e30);
+    for (int round = 0; round < rounds; ++round)
+        for (size_t i = 0; i < cases.size(); ++i) {
+            const FrameCase& c = cases[i];
+            least[i] = std::min(least[i], stopwatch.seconds([&](VkCommandBuffer commands) {
+                if (c.model)
+                    c.renderer->record(commands, images.target(), view, *c.model, 0, c.at);
+                else
+                    c.renderer->recordShadowMapped(commands, images.target(), view, 0);
+            }));
         }
     return least;
 }

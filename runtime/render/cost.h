@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/render/vulkan.h"
+#include "runtime/render/renderer.h"
 
 namespace apertura {
 
@@ -24,10 +24,30 @@ struct CompiledCost {
 // throughput.
 std::vector<CompiledCost> compiledCosts(const Gpu& gpu, std::span<const CostCase> cases);
 
+// What a fragment costs under one light and the sky, with all that it fetches: of Renderer::record or, without a model, of
+// recordShadowMapped. Compiles each case and runs nothing, as compiledCosts does.
+struct PixelCase {
+    const Model* model;
+    int lightClass;  // LIGHTS_...
+    LightAt at = LightAt::Pixels;
+};
+std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const PixelCase> cases);
+
 // Seconds that the device takes for each case, by its own clock: the minimum over the rounds.
 //   points  receivers per run, a multiple of 64
 //   rounds  each runs all cases in turn
 // Throws Error if the device has no clock.
 std::vector<double> measuredCosts(const Gpu& gpu, std::span<const CostCase> cases, int points, int rounds);
+
+// A whole frame: what `record` does, or `recordShadowMapped` where there is no model, its depth pass included.
+struct FrameCase {
+    Renderer* renderer;  // holds the model
+    const Model* model;
+    LightAt at = LightAt::Pixels;
+};
+
+// Seconds that the device takes for each frame, by its own clock: the minimum over the rounds, each of which draws all in turn. Prepares
+// what is missing. Throws Error as Renderer does, or if the device has no clock.
+std::vector<double> measuredFrames(const Gpu& gpu, const View& view, std::span<const FrameCase> cases, int rounds);
 
 }  // namespace apertura

@@ -2,13 +2,14 @@
 
 namespace apertura {
 
-vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour) {
+vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour,
+                                vk::PipelineCreateFlags flags) {
     const bool shades = !shaders.fragment.empty();
     const vk::raii::ShaderModule vertex = makeShader(gpu, shaders.vertex);
     const vk::raii::ShaderModule fragment = shades ? makeShader(gpu, shaders.fragment) : nullptr;
     const Constants constants(shaders.constants);
     const vk::PipelineShaderStageCreateInfo stages[] = {
-        {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
+        {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main", .pSpecializationInfo = &constants.info},
         {.stage = vk::ShaderStageFlagBits::eFragment, .module = *fragment, .pName = "main", .pSpecializationInfo = &constants.info}};
     const vk::PipelineVertexInputStateCreateInfo input{};
     const vk::PipelineInputAssemblyStateCreateInfo assembly{.topology = vk::PrimitiveTopology::eTriangleList};
@@ -26,6 +27,7 @@ vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, cons
         .colorAttachmentCount = blend.attachmentCount, .pColorAttachmentFormats = &colour, .depthAttachmentFormat = kDepthFormat};
     return make<vk::raii::Pipeline>(gpu, nullptr,
                                     vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
+                                                                   .flags = flags,
                                                                    .stageCount = shades ? 2u : 1u,
                                                                    .pStages = stages,
                                                                    .pVertexInputState = &input,
@@ -62,7 +64,12 @@ void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const
     commands.setScissor(0, all);
     commands.bindPipeline(vk::PipelineBindPoint::eGraphics, pass.pipeline);
     pass.bindings.bind(commands, vk::PipelineBindPoint::eGraphics, pass.offsets);
-    commands.draw(vertices, 1, 0, 0);
+    if (pass.indices) {
+        commands.bindIndexBuffer(pass.indices->handle(), 0, vk::IndexType::eUint32);
+        commands.drawIndexed(vertices, 1, 0, 0, 0);
+    } else {
+        commands.draw(vertices, 1, 0, 0);
+    }
     commands.endRendering();
 }
 

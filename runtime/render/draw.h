@@ -12,20 +12,22 @@ constexpr vk::Format kDepthFormat = vk::Format::eD32Sfloat;
 // Shaders of a pass, as SPIR-V words. Without a fragment shader the pass draws depth alone.
 struct DrawShaders {
     std::span<const uint32_t> vertex, fragment;
-    std::span<const int32_t> constants;  // specialisation constants 0, 1, ... of the fragment shader
+    std::span<const int32_t> constants;  // specialisation constants 0, 1, ... of both
 };
 
 // A pipeline without vertex input, for a colour image of this format. The greater depth wins.
-vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour);
+vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour,
+                                vk::PipelineCreateFlags flags = {});
 
 struct DrawPass {
     vk::Pipeline pipeline;
     const GpuBindings& bindings;
-    std::span<const uint32_t> offsets;  // bytes, one per dynamic binding
+    std::span<const uint32_t> offsets;   // bytes, one per dynamic binding
+    const GpuBuffer* indices = nullptr;  // of 32 bits, where vertices are drawn by them
 };
 
-// Clears the images, the colour to `clear` and the depth to 0, and draws `vertices` vertices. The depth is kept only if the
-// target has no colour.
+// Clears the images, the colour to `clear` and the depth to 0, and draws `vertices` vertices or, by the pass's indices, as many of these.
+// The depth is kept only if the target has no colour.
 void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, const DrawPass& pass, uint32_t vertices);
 
 // A target without a window whose pixels can be read. `colour`: a format of at most 16 bytes per pixel.

@@ -4,10 +4,10 @@
 #include <optional>
 #include <tuple>
 
+#include "light.comp.h"
 #include "runtime/render/draw.h"
+#include "runtime/render/scene_shaders.h"
 #include "runtime/render/shadow_map.h"
-#include "scene.frag.h"
-#include "scene.vert.h"
 
 namespace apertura {
 namespace {
@@ -60,21 +60,31 @@ GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const Model& model) {
 }
 
 template <class T>
-GpuBuffer uploadGeometry(const Gpu& gpu, const Asset& asset, const std::vector<T>& values) {
+GpuBuffer uploadGeometry(const Gpu& gpu, const Asset& asset, const std::vector<T>& values, vk::BufferUsageFlags usage = {}) {
     if (values.size() * sizeof(T) > gpu.largestBuffer())
         throw Error(asset.scene.name + ": has too many vertices or triangles for " + gpu.name());
-    return upload(gpu, std::as_bytes(std::span(values)), vk::BufferUsageFlagBits::eStorageBuffer);
+    return upload(gpu, std::as_bytes(std::span(values)), vk::BufferUsageFlagBits::eStorageBuffer | usage);
 }
 
 void requireOneDirectional(const View& view) {
     if (view.lights.size() != 1 || isSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
 }
 
+// Of lit vertices with room for so many lights: the vec4s after the first light, and all floats, the sky's among them.
+int moreThanOne(int lights) { return (std::max(lights, 1) + 2) / 4; }
+int litFloats(int lights) { return 2 + 4 * moreThanOne(lights); }
+
+// Which pipeline of a model draws so many lights: with lights at pixels one of any number, or one made for a single light, and with lights
+// at vertices one by the vec4s that are interpolated.
+int variantOf(LightAt at, int lights) { return at == LightAt::Vertices ? 1 + moreThanOne(lights) : lights == 1 ? -1 : 0; }
+
 }  // namespace
 
 struct Renderer::Parts {
-    struct AllParams {
-        GpuBuffer buffer;
+    // What the shaders read of one model.
+    struct ModelBuffers {
+        int litFloats;  // of a vertex; 0 where light is evaluated at pixels
+        std::optional<GpuBuffer> litVertices;
         GpuBindings bindings;
     };
 
@@ -84,24 +94,30 @@ struct Renderer::Parts {
           box(worldBounds(asset_.scene)),
           frames(frames_),
           indexCount(uint32_t(order.size())),
+          vertexCount(uint32_t(corners.size())),
           vertices(uploadGeometry(gpu_, asset_, corners)),
-          indices(uploadGeometry(gpu_, asset_, order)),
+          indices(uploadGeometry(gpu_, asset_, order, vk::BufferUsageFlagBits::eIndexBuffer)),
+          noVertices(gpu_, 0, vk::BufferUsageFlagBits::eStorageBuffer, GpuBuffer::Place::Device),
           lit(gpu_, frames_ + 1) {}
 
-    const AllParams& paramsOf(const Model& model);
-    void light(int frame, const View& view, VkExtent2D size) const;
+    const GpuBuffer& paramsOf(const Model& model);
+    const ModelBuffers& buffersOf(const Model& model, int litFloats);
+    VkDeviceSize litFloatsAFrame(int litFloats) const { return VkDeviceSize(vertexCount) * VkDeviceSize(litFloats); }
+    void light(int frame, const View& view, VkExtent2D size, int litFloats = 0) const;
     Picture picture(const View& view, const std::function<void(VkCommandBuffer, const RenderTarget&)>& record) const;
 
     const Gpu& gpu;
     const Asset& asset;
     Box box;
     int frames;  // of the caller; `draw` uses one more, number `frames`
-    uint32_t indexCount;
-    GpuBuffer vertices, indices;
+    uint32_t indexCount, vertexCount;
+    GpuBuffer vertices, indices, noVertices;
     PerFrame<Frame> lit;
     std::optional<ShadowMap> shadow;
-    std::map<int, AllParams> allParams;                                      // by model
-    std::map<std::tuple<int, int, VkFormat>, vk::raii::Pipeline> pipelines;  // by model, light class and format
+    std::map<int, GpuBuffer> allParams;                                           // by model
+    std::map<std::pair<int, int>, ModelBuffers> buffers;                          // by model and litFloats
+    std::map<std::tuple<int, int, VkFormat, int>, vk::raii::Pipeline> pipelines;  // by model, light class, format and variantOf
+    std::map<std::pair<int, int>, vk::raii::Pipeline> vertexLights;               // by model and light class
 };
 
 int lightClassOf(const View& view) {
@@ -118,19 +134,34 @@ Renderer::Renderer(const Gpu& gpu, const Asset& asset, int frames) {
 
 Renderer::~Renderer() = default;
 
-const Renderer::Parts::AllParams& Renderer::Parts::paramsOf(const Model& model) {
+const GpuBuffer& Renderer::Parts::paramsOf(const Model& model) {
     if (const auto found = allParams.find(model.id); found != allParams.end()) return found->second;
-    GpuBuffer buffer = uploadParams(gpu, asset, model);
-    constexpr vk::ShaderStageFlags vertex = vk::ShaderStageFlagBits::eVertex, fragment = vk::ShaderStageFlagBits::eFragment;
-    const GpuBindings::Binding slots[] = {lit.binding(vertex | fragment),
-                                          {vk::DescriptorType::eStorageBuffer, vertex | fragment, &vertices},
-                                          {vk::DescriptorType::eStorageBuffer, vertex, &indices},
-                                          {vk::DescriptorType::eStorageBuffer, fragment, &buffer}};
-    GpuBindings bindings(gpu, slots);
-    return allParams.insert({model.id, AllParams{std::move(buffer), std::move(bindings)}}).first->second;
+    return allParams.emplace(model.id, uploadParams(gpu, asset, model)).first->second;
 }
 
-void Renderer::Parts::light(int frame, const View& view, VkExtent2D size) const {
+const Renderer::Parts::ModelBuffers& Renderer::Parts::buffersOf(const Model& model, int litFloats) {
+    if (const auto found = buffers.find({model.id, litFloats}); found != buffers.end()) return found->second;
+    const GpuBuffer& params = paramsOf(model);
+    std::optional<GpuBuffer> litVertices;
+    if (litFloats > 0) {
+        const VkDeviceSize bytes = sizeof(float) * VkDeviceSize(frames + 1) * litFloatsAFrame(litFloats);
+        if (bytes > gpu.largestBuffer()) throw Error(asset.scene.name + ": the lights at its vertices are too large for " + gpu.name());
+        litVertices.emplace(gpu, bytes, vk::BufferUsageFlagBits::eStorageBuffer, GpuBuffer::Place::Device);
+    }
+    constexpr auto storage = vk::DescriptorType::eStorageBuffer;
+    constexpr vk::ShaderStageFlags vertex = vk::ShaderStageFlagBits::eVertex,
+                                   shading = vk::ShaderStageFlagBits::eFragment | vk::ShaderStageFlagBits::eCompute;
+    const GpuBindings::Binding slots[] = {lit.binding(vertex | shading),
+                                          {storage, vertex | shading, &vertices},
+                                          {storage, vertex, &indices},
+                                          {storage, shading, &params},
+                                          {storage, vertex | shading, litVertices ? &*litVertices : &noVertices}};
+    GpuBindings bindings(gpu, slots);
+    return buffers.emplace(std::pair(model.id, litFloats), ModelBuffers{litFloats, std::move(litVertices), std::move(bindings)})
+        .first->second;
+}
+
+void Renderer::Parts::light(int frame, const View& view, VkExtent2D size, int litFloats) const {
     if (frame < 0 || frame > frames) throw Error("there is no frame " + std::to_string(frame) + " in flight");
     if (view.lights.size() > size_t(MAX_LIGHTS)) throw Error("a view has at most " + std::to_string(MAX_LIGHTS) + " lights");
     const float nearest = std::max(1e-4f * glm::length(box.high - box.low), 1e-9f);
@@ -139,32 +170,65 @@ void Renderer::Parts::light(int frame, const View& view, VkExtent2D size) const 
     out.sky = vec4(view.sky, 0);
     out.albedo = vec4(view.albedo, 0);
     out.counts.x = int(view.lights.size());
+    out.counts.y = int(VkDeviceSize(frame) * litFloatsAFrame(litFloats));
+    out.counts.z = litFloats;
     std::copy(view.lights.begin(), view.lights.end(), out.lights);
     lit.set(frame, out);
 }
 
-void Renderer::prepare(const Model& model, int lightClass, VkFormat format) {
-    const GpuBindings& bindings = parts_->paramsOf(model).bindings;
-    const std::tuple key(model.id, lightClass, format);
-    if (parts_->pipelines.contains(key)) return;
-    const int32_t constants[] = {model.id, lightClass, model.slots, model.mixes};
-    parts_->pipelines.emplace(key, makePipeline(parts_->gpu, {scene_vert, scene_frag, constants}, bindings, vk::Format(format)));
+LightAt Renderer::betterLightAt(const Model& model, double pixels) const {
+    return !model.mixes && double(parts_->vertexCount) < 3 * pixels ? LightAt::Vertices : LightAt::Pixels;
 }
 
-void Renderer::record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame) const {
-    const auto pipeline = parts_->pipelines.find({model.id, lightClassOf(view), target.format});
-    if (pipeline == parts_->pipelines.end())
+void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights) {
+    Parts& p = *parts_;
+    const bool atVertices = at == LightAt::Vertices;
+    const GpuBindings& bindings = p.buffersOf(model, atVertices ? litFloats(mostLights) : 0).bindings;
+    const int variant = variantOf(at, mostLights);
+    const int32_t atPixels[] = {model.id, lightClass, model.slots}, interpolated[] = {model.id, moreThanOne(mostLights), lightClass};
+    if (const std::tuple key(model.id, lightClass, format, variant); !p.pipelines.contains(key))
+        p.pipelines.emplace(
+            key, makePipeline(p.gpu,
+                              atVertices ? DrawShaders{lit_vert, lit_frag, interpolated}
+                                         : DrawShaders{scene_vert,
+                                                       sceneFragment(model.mixes ? Corners::Mixed : Corners::Three, variant < 0), atPixels},
+                              bindings, vk::Format(format)));
+    if (const std::pair key(model.id, lightClass); atVertices && !p.vertexLights.contains(key))
+        p.vertexLights.emplace(key, makeComputePipeline(p.gpu, light_comp, atPixels, bindings));
+}
+
+void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View& view, const Model& model, int frame, LightAt at) const {
+    const vk::CommandBuffer commands(to);
+    const Parts& p = *parts_;
+    // The least of the variants that are prepared and take as many lights.
+    const auto lights = int(view.lights.size());
+    auto pipeline = p.pipelines.end();
+    int room = lights;
+    for (; pipeline == p.pipelines.end() && room <= MAX_LIGHTS; ++room)
+        pipeline = p.pipelines.find({model.id, lightClassOf(view), target.format, variantOf(at, room)});
+    if (pipeline == p.pipelines.end())
         throw Error("the renderer is not prepared for " + std::string(model.name) + " with these lights and this format");
-    parts_->light(frame, view, target.size);
+    const auto& [floats, litVertices, bindings] = p.buffers.at({model.id, at == LightAt::Vertices ? litFloats(room - 1) : 0});
+    p.light(frame, view, target.size, floats);
     const uint32_t offset = PerFrame<Frame>::offset(frame);
-    drawTriangles(commands, target, view.sky, {*pipeline->second, parts_->allParams.at(model.id).bindings, {&offset, 1}},
-                  parts_->indexCount);
+    if (at == LightAt::Vertices) {
+        commands.bindPipeline(vk::PipelineBindPoint::eCompute, *p.vertexLights.at({model.id, lightClassOf(view)}));
+        bindings.bind(commands, vk::PipelineBindPoint::eCompute, {&offset, 1});
+        commands.dispatch(std::min((p.vertexCount + 63) / 64, 65535u), 1, 1);  // the most that every device takes
+        const vk::MemoryBarrier2 written{.srcStageMask = vk::PipelineStageFlagBits2::eComputeShader,
+                                         .srcAccessMask = vk::AccessFlagBits2::eShaderStorageWrite,
+                                         .dstStageMask = vk::PipelineStageFlagBits2::eVertexShader,
+                                         .dstAccessMask = vk::AccessFlagBits2::eShaderStorageRead};
+        commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &written});
+    }
+    drawTriangles(commands, target, view.sky, {*pipeline->second, bindings, {&offset, 1}, at == LightAt::Vertices ? &p.indices : nullptr},
+                  p.indexCount);
 }
 
-Picture Renderer::draw(const View& view, const Model& model) {
-    prepare(model, lightClassOf(view), kPictureFormat);
+Picture Renderer::draw(const View& view, const Model& model, LightAt at) {
+    prepare(model, lightClassOf(view), kPictureFormat, at, int(view.lights.size()));
     return parts_->picture(
-        view, [&](VkCommandBuffer commands, const RenderTarget& target) { record(commands, target, view, model, parts_->frames); });
+        view, [&](VkCommandBuffer commands, const RenderTarget& target) { record(commands, target, view, model, parts_->frames, at); });
 }
 
 void Renderer::prepareShadowMapped(VkFormat format) {

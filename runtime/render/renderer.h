@@ -14,6 +14,10 @@ namespace apertura {
 // The class that covers all lights of a view, LIGHTS_...; LIGHTS_ANY if one is a sphere.
 int lightClassOf(const View& view);
 
+// Where light is evaluated. Vertices: once a vertex and frame, in a compute pass, which costs less wherever fewer vertices than pixels are
+// drawn; for models that do not mix the picture is the same, up to what the pixel's normal changes about a large light.
+enum class LightAt { Pixels, Vertices };
+
 // Everything but `record` and `recordShadowMapped` uses the device's queue and changes what is prepared: no other thread may record or
 // submit meanwhile.
 class Renderer {
@@ -24,23 +28,30 @@ public:
     Renderer(const Gpu& gpu, const Asset& asset, int frames = 2);
     ~Renderer();
 
-    // Uploads a model's parameters and creates its pipeline; does nothing if both exist. It takes up to seconds.
+    // The better of the two: vertices, where the model does not mix and there are fewer of them than corners of so many pixels. `draw`
+    // shades four pixels for one of the picture.
+    LightAt betterLightAt(const Model& model, double pixels) const;
+
+    // Uploads a model's parameters and creates its pipelines; does nothing if all exist. It takes up to seconds.
     //   model       the one that the asset stores, or one that is derived from the four numbers
     //   lightClass  LIGHTS_..., see lightClassOf
     //   format      of the target's colour
+    //   mostLights  of a frame. 1 makes a faster pipeline, which serves frames of just one light; others any number. At the vertices,
+    //               each light takes 4 bytes a vertex and frame
     // Throws Error if the asset does not hold the model, or its parameters are too large for the device.
-    void prepare(const Model& model, int lightClass, VkFormat format);
+    void prepare(const Model& model, int lightClass, VkFormat format, LightAt at = LightAt::Pixels, int mostLights = MAX_LIGHTS);
 
     // Clears the target to the sky and draws the scene over it. Allocates nothing, waits for nothing, compiles nothing.
     //   view   its width and height are ignored
     //   frame  0 .. frames - 1; the device must have finished what was recorded with this number before
-    // All frames must run on one queue. Throws Error unless `model` is prepared for lightClassOf(view) and the format, and
-    // if `frame` is out of range or the view has more than MAX_LIGHTS lights.
-    void record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame) const;
+    // All frames must run on one queue. Throws Error unless `model` is prepared for lightClassOf(view), the format, `at` and as many
+    // lights, and if `frame` is out of range or the view has more than MAX_LIGHTS lights.
+    void record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame,
+                LightAt at = LightAt::Pixels) const;
 
     // Draws a picture off-screen with one model and prepares what is missing. Throws Error as `prepare` does, or if the
     // picture is too large for the device.
-    Picture draw(const View& view, const Model& model);
+    Picture draw(const View& view, const Model& model, LightAt at = LightAt::Pixels);
 
     // The same three functions for the baseline: N.L, a shadow map of 2048 x 2048 texels with percentage-closer soft
     // shadows, and a sky that nothing blocks. The last two throw Error unless the view has exactly one light, a directional one;

@@ -1,0 +1,49 @@
+#pragma once
+// What models and baselines make of lit receivers, against the truth: the rows of a Measurement.
+#include "bake/measure/measure.h"
+#include "bake/measure/truth.h"
+
+namespace apertura {
+
+// The model's E / (L pi sin^2 r).
+inline float modelValue(int model, const Receiver& receiver, const CapLight& light) {
+    return irradianceThrough(model, receiver, light, lightClassOf(light.sinRadius)) / light.area;
+}
+
+// The receivers of a scene, their lights, and the truth for each radius.
+struct LitReceivers {
+    std::vector<SurfaceSample> points;
+    std::vector<std::vector<glm::vec3>> lights;                // [receiver][light]
+    std::vector<std::vector<std::vector<TruthSample>>> truth;  // [receiver][radius][light]
+
+    std::vector<SurfacePoint> surfacePoints() const {
+        std::vector<SurfacePoint> out;
+        out.reserve(points.size());
+        for (const SurfaceSample& p : points) out.push_back(p.at);
+        return out;
+    }
+};
+
+// Places receivers in the region, lights them and traces the truth. Throws as sampleSurface does, and Cancelled.
+LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options,
+                               const Progress& progress);
+
+// One model at every receiver, as weighted Receivers: one if the model's parameters may be interpolated, else three, those
+// of the triangle's corners.
+struct ModelReceivers {
+    const Model* model;
+    std::string source;
+    double numbers, bytes;
+    std::vector<std::vector<std::pair<float, Receiver>>> receivers;
+};
+
+// Appends a row for each light radius. `truth`: what each receiver sees, for the sky.
+void addRows(const LitReceivers& lit, const ModelReceivers& made, const std::vector<Visibility>& truth, const MeasureOptions& options,
+             std::vector<MeasureRow>& rows);
+
+// The same of a shadow map with percentage-closer soft shadows (shaders/soft_shadow.glsl), the renderer's baseline, under a sky that
+// nothing blocks. Rays fill in the texels that are read. `bounds`: of the scene, world, metres.
+void addShadowRows(const LitReceivers& lit, const Tracer& tracer, const Box& bounds, const std::vector<Visibility>& truth,
+                   const MeasureOptions& options, std::vector<MeasureRow>& rows);
+
+}  // namespace apertura

@@ -1,0 +1,31 @@
+#pragma once
+// The shaders that draw a scene with a model: which text for which case.
+#include <array>
+#include <span>
+
+#include "lit.frag.h"
+#include "lit.vert.h"
+#include "runtime/render/draw.h"
+#include "scene.vert.h"
+#include "scene00.frag.h"
+#include "scene01.frag.h"
+#include "scene10.frag.h"
+#include "scene11.frag.h"
+#include "scene30.frag.h"
+#include "scene31.frag.h"
+#include "sh/models.h"
+
+namespace apertura {
+
+// How scene.frag is compiled: see its head.
+enum class Corners { Mixed, One, Three };
+
+inline std::span<const uint32_t> sceneFragment(Corners corners, bool oneLight) {
+    switch (corners) {
+        case Corners::Mixed: return oneLight ? std::span<const uint32_t>(scene01_frag) : scene00_frag;
+        case Corners::One: return oneLight ? std::span<const uint32_t>(scene11_frag) : scene10_frag;
+        default: return oneLight ? std::span<const uint32_t>(scene31_frag) : scene30_frag;
+    }
+}
+
+}  // namespace apertura

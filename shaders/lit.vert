@@ -1,0 +1,24 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#define APERTURA_LIT readonly
+#include "lit.glsl"
+#include "models.glsl"
+
+layout(constant_id = 0) const int model = MODEL_SOFT;
+layout(constant_id = 1) const int more = MAX_LIGHTS / 4;  // vec4s of lights after the first light
+
+layout(location = 0) out vec3 worldPosition;
+layout(location = 1) out vec3 worldNormal;
+layout(location = 2) out vec4 seen;  // D, or x: the sky's E, for models whose sky needs more; w: the first light's fraction
+layout(location = 3) out vec4 visible[MAX_LIGHTS / 4];  // the other lights' fractions
+
+void main() {
+    SceneVertex v = vertices[gl_VertexIndex];
+    uint at = litVertex(gl_VertexIndex);
+    worldPosition = v.position.xyz;
+    worldNormal = v.normal.xyz;
+    seen = vec4(skyNeedsMore(model) ? vec3(litVertices[at], 0.0, 0.0) : v.visibility.xyz, litVertices[at + 1]);
+    for (int i = 0; i < more; ++i)
+        for (int k = 0; k < 4; ++k) visible[i][k] = litVertices[at + uint(4 * i + k + 2)];
+    gl_Position = frame.toClip * vec4(v.position.xyz, 1.0);
+}

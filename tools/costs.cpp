@@ -1,0 +1,161 @@
+#include "tools/costs.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <numbers>
+
+#include "bake/fit/bake.h"
+#include "bake/sampling/directions.h"
+#include "bake/scene/isolated.h"
+#include "bake/scene/load.h"
+#include "runtime/asset/error.h"
+
+namespace apertura {
+namespace {
+
+// Path of the JSON manifest of Mesa's driver for Radeons; empty if there is none.
+std::string radeonDriver() {
+    for (const char* folder : {"/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"}) {
+        std::error_code ignored;
+        for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+            if (entry.path().filename().string().starts_with("radeon_icd")) return entry.path().string();
+    }
+    return {};
+}
+
+// Every model in every class, N.L first and, for pixels, a shadow map last.
+std::vector<CostKey> keysOf(std::span<const Model* const> asked, std::span<const int> lightClasses, bool shadowMap) {
+    std::vector<CostKey> out;
+    const auto add = [&](int id) {
+        for (const int lightClass : lightClasses) out.emplace_back(id, lightClass);
+    };
+    add(MODEL_UNSHADOWED);
+    for (const Model* model : asked)
+        if (model->id != MODEL_UNSHADOWED) add(model->id);
+    if (shadowMap) add(kShadowMapId);
+    return out;
+}
+
+const Model* modelOf(const CostKey& key) { return key.first == kShadowMapId ? nullptr : &models()[size_t(key.first)]; }
+
+// By key, what each case costs above the first model's in the same class.
+std::map<CostKey, int> aboveFirst(std::span<const CostKey> keys, const std::vector<CompiledCost>& costs, size_t classes) {
+    std::map<CostKey, int> out;
+    for (size_t i = 0; i < keys.size(); ++i) out[keys[i]] = costs[i].cycles - costs[i % classes].cycles;
+    return out;
+}
+
+}  // namespace
+
+// Compiles in a child process: Mesa takes the GPU to compile for, which need not exist, from the environment.
+Cycles cyclesOn(const char* family, std::span<const Model* const> asked, std::span<const int> lightClasses) {
+    const std::string driver = radeonDriver();
+    if (driver.empty()) throw Error("Mesa's driver for Radeons (RADV) is not installed");
+    const std::vector<CostKey> keys = keysOf(asked, lightClasses, false), drawn = keysOf(asked, lightClasses, true);
+    std::vector<CompiledCost> light, pixel, lit;
+    const auto compile = [&](PipeWriter& out) {
+        setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
+        setenv("VK_DRIVER_FILES", driver.c_str(), 1);
+        setenv("RADV_FORCE_FAMILY", family, 1);
+        const Gpu gpu({.statistics = true});
+        std::vector<CostCase> lightCases;
+        std::vector<PixelCase> pixelCases, litCases;
+        for (const CostKey& key : keys) lightCases.push_back({key.first, key.second});
+        for (const CostKey& key : drawn) pixelCases.push_back({modelOf(key), key.second});
+        for (const CostKey& key : keys)
+            litCases.push_back({modelOf(key), key.second, key.first == MODEL_UNSHADOWED ? LightAt::Pixels : LightAt::Vertices});
+        out.put(compiledCosts(gpu, lightCases));
+        out.put(compiledPixelCosts(gpu, pixelCases));
+        out.put(compiledPixelCosts(gpu, litCases));
+    };
+    runIsolated("RADV", {1800, 0x1p32}, compile, [&](PipeReader& in) {
+        light = in.take<CompiledCost>();
+        pixel = in.take<CompiledCost>();
+        lit = in.take<CompiledCost>();
+    });
+    const size_t n = lightClasses.size();
+    return {aboveFirst(keys, light, n), aboveFirst(drawn, pixel, n), aboveFirst(keys, lit, n)};
+}
+
+namespace {
+
+// The statue with the four numbers and, for a model that is stored, with parameters of all kinds: what a frame costs depends on them no
+// more than on where they came from.
+Asset frameAsset(const Scene& scene, const BakedVisibility& seen, const Model& model) {
+    Asset out{scene, seen, {}};
+    if (!model.isStored()) return out;
+    out.info.model = model.name;
+    uint64_t draw = 0;
+    for (SeenByInstance& instance : out.seen)
+        for (size_t v = 0; v < instance.visibility.size(); ++v) {
+            const bool chooses = model.kind == ModelKind::Choice;
+            const Model& own = chooses ? *autoModels()[v % autoModels().size()] : model;
+            std::vector<float> numbers(size_t(storedNumbers(own)));
+            for (float& number : numbers) number = float(hashUnit(1, draw++, 0));
+            ModelParams params = own.isStored() ? unpackParams(own, numbers) : ModelParams{};
+            if (chooses) setChoice(params, own, false);
+            instance.allParams.push_back(params);
+        }
+    return out;
+}
+
+// The time of a frame of each model over that of N.L, 960 x 540 pixels of the statue.
+std::map<CostKey, double> frameTimes(const Gpu& gpu, std::span<const Model* const> asked, int lightClass) {
+    const Scene scene = makeBuiltin("statue");
+    BakeOptions options;
+    options.rays = 16;
+    const BakedVisibility seen = bakeVertices(scene, Tracer(scene), options);
+    View view;
+    view.camera = viewOf(scene);
+    const double degrees = lightClass == LIGHTS_SUN ? 0.27 : lightClass == LIGHTS_SMALL ? 1 : lightClass == LIGHTS_MEDIUM ? 5 : 15;
+    view.lights = {directionalLight({0.5f, 0.6f, 0.5f}, degrees * std::numbers::pi / 180, glm::vec3(1))};
+    const int one[] = {lightClass};
+    const std::vector<CostKey> keys = keysOf(asked, one, true);
+    std::vector<std::unique_ptr<Asset>> assets;
+    std::vector<std::unique_ptr<Renderer>> renderers;
+    std::vector<FrameCase> cases;
+    for (const CostKey& key : keys) {
+        const Model* model = modelOf(key);
+        assets.push_back(std::make_unique<Asset>(frameAsset(scene, seen, model ? *model : models()[MODEL_UNSHADOWED])));
+        renderers.push_back(std::make_unique<Renderer>(gpu, *assets.back()));
+        const LightAt at = model ? renderers.back()->betterLightAt(*model, double(view.width) * view.height) : LightAt::Pixels;
+        cases.push_back({renderers.back().get(), model, at});
+    }
+    const std::vector<double> seconds = measuredFrames(gpu, view, cases, 5);
+    std::map<CostKey, double> out;
+    for (size_t i = 0; i < keys.size(); ++i) out[keys[i]] = seconds[i] / seconds[0];
+    return out;
+}
+
+}  // namespace
+
+Costs measureCosts(std::span<const Model* const> asked, std::span<const int> lightClasses, int frameClass) {
+    Costs out;
+    try {
+        std::map<std::string, std::future<Cycles>> running;
+        for (const char* family : kFamilies) running[family] = std::async(std::launch::async, cyclesOn, family, asked, lightClasses);
+        for (auto& [family, cycles] : running) out.cycles[family] = cycles.get();
+    } catch (const Error& e) {
+        out.cycles.clear();
+        std::fprintf(stderr, "apertura: no GPU cycles, their columns stay empty: %s\n", e.what());
+    }
+    try {
+        const Gpu gpu;
+        const std::vector<CostKey> keys = keysOf(asked, lightClasses, false);
+        std::vector<CostCase> cases;
+        for (const CostKey& key : keys) cases.push_back({key.first, key.second});
+        const std::vector<double> seconds = measuredCosts(gpu, cases, 1 << 16, 5);
+        for (size_t i = 0; i < keys.size(); ++i) out.time[keys[i]] = seconds[i] / seconds[i % lightClasses.size()];
+        out.frame = frameTimes(gpu, asked, frameClass);
+        out.device = gpu.name();
+    } catch (const Error& e) {
+        std::fprintf(stderr, "apertura: no times of a device, their columns stay empty: %s\n", e.what());
+    }
+    return out;
+}
+
+}  // namespace apertura
