@@ -33,17 +33,23 @@ APERTURA_FN lpfloat microShadow(Receiver receiver, CapLight light) {
     return v * v;
 }
 
-// The overlap of the visibility cone with the light's own, over the light's: Jimenez, Wu, Pesce & Jarabo, "Practical Real-Time
-// Strategies for Accurate Indirect Occlusion", 2016, with the overlap of Oat & Sander, "Ambient Aperture Lighting", 2007.
-APERTURA_FN lpfloat coneVisibility(Receiver receiver, CapLight light) {
-    lpfloat cosine = coneCosine(opennessOf(receiver));
+// The share of a light inside a cone, by the overlap of Oat & Sander, "Ambient Aperture Lighting", 2007.
+APERTURA_FN lpfloat shareInCone(lpvec3 axis, lpfloat cosine, CapLight light) {
     lpfloat cone = capRadius(lpfloat(1.0) - cosine);
     lpfloat radius = capRadius(light.height);
-    lpfloat apart = capRadius(clamp(lpfloat(1.0) - dot(bentNormalOf(receiver), light.axis), lpfloat(0.0), lpfloat(2.0)));
+    lpfloat apart = capRadius(clamp(lpfloat(1.0) - dot(axis, light.axis), lpfloat(0.0), lpfloat(2.0)));
     lpfloat inside = abs(cone - radius);
     lpfloat t = clamp(lpfloat(1.0) - (apart - inside) / max(cone + radius - inside, lpsmall(1e-6)), lpfloat(0.0), lpfloat(1.0));
     lpfloat smaller = min(lpfloat(1.0) - cosine, light.height);
     return min(smaller * light.inverseHeight, lpfloat(1.0)) * t * t * (lpfloat(3.0) - lpfloat(2.0) * t);
+}
+
+// The overlap of the visibility cone with the light's own: Jimenez, Wu, Pesce & Jarabo, "Practical Real-Time Strategies for Accurate
+// Indirect Occlusion", 2016. Of a light that the receiver's own plane cuts, only what is above that counts.
+APERTURA_FN lpfloat coneVisibility(Receiver receiver, CapLight light) {
+    lpfloat share = shareInCone(bentNormalOf(receiver), coneCosine(opennessOf(receiver)), light);
+    if (dot(receiver.normal, light.axis) < light.sinRadius) share /= max(shareInCone(receiver.normal, lpfloat(0.0), light), lpsmall(1e-3));
+    return min(share, lpfloat(1.0));
 }
 
 // Linear SH and a zonal band 2 about the linear band's axis: Roughton, Sloan, Silvennoinen, Iwanicki & Shirley, "ZH3: Quadratic Zonal
@@ -89,11 +95,11 @@ APERTURA_FN lpfloat skyThroughCube(Receiver receiver) {
 }
 
 // Sectors of the hemisphere as bits: `rings` of equal solid angle about the normal, from it down, with 2 * rings sectors each, counter-
-// clockwise from tangentTo(normal). Seven bits to a component of a slot.
+// clockwise from azimuthZero(normal). Seven bits to a component of a slot.
 const int SECTOR_BITS = 7;
 APERTURA_FN int sectorAt(int rings, lpfloat x, lpfloat y, lpfloat z) {
     int ring = clamp(int((lpfloat(1.0) - z) * lpfloat(rings)), 0, rings - 1);
-    lpfloat turn = atan(y, x) * lpfloat(rings) / PI;
+    lpfloat turn = azimuthOf(x, y) * lpfloat(rings) / PI;
     int sector = int(turn < lpfloat(0.0) ? turn + lpfloat(2 * rings) : turn);
     return ring * 2 * rings + (sector & (2 * rings - 1));
 }
@@ -105,7 +111,7 @@ APERTURA_FN lpfloat sectorIsOpen(Receiver receiver, int rings, int sector) {
 
 // The mean of the sectors over the light's disc: at its centre for a sun, else at eight points.
 APERTURA_FN lpfloat sectorVisibility(Receiver receiver, int rings, CapLight light, int lightClass) {
-    lpvec3 tangent = tangentTo(receiver.normal);
+    lpvec3 tangent = azimuthZero(receiver.normal);
     lpvec3 side = cross(receiver.normal, tangent);
     lpvec3 at = lpvec3(dot(tangent, light.axis), dot(side, light.axis), dot(receiver.normal, light.axis));
     if (lightClass == LIGHTS_SUN) return sectorIsOpen(receiver, rings, sectorAt(rings, at.x, at.y, at.z));

@@ -330,7 +330,7 @@ TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
         r = run("info " + glb + " --json");
         ASSERT_EQ(r.code, 0) << model << r.error;
         const auto info = nlohmann::json::parse(r.out);
-        EXPECT_EQ(info["model"], model);
+        EXPECT_EQ(info["model"], std::string(model) == "horizon" ? "horizon-16" : model);  // its name before there were several
         if (std::string(model) == "soft-2") {
             EXPECT_EQ(info["bytes_per_vertex"], 12);
         }
@@ -339,6 +339,10 @@ TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
             for (const auto& [name, share] : info["auto"]["shares"].items()) shares += share.get<double>();
             EXPECT_NEAR(shares, 1, 1e-6);
             EXPECT_EQ(info["auto"]["tolerance"], 0.05);
+            EXPECT_EQ(info["auto"]["price"], "numbers");
+            const std::string said = run("info " + glb).out;
+            EXPECT_NE(said.find("least model within 0.05, by numbers: "), std::string::npos) << said;
+            EXPECT_NE(said.find("as one model for the whole scene: "), std::string::npos) << said;
         }
         const bool stored = std::string(model) != "sh-fit" && std::string(model) != "transfer";
         r = run("render " + glb + " -o " + (folder / "p.png") + " --size 32x32 --model " + (stored ? model : "soft"));
@@ -360,6 +364,9 @@ TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
 }
 
 TEST(Cli, RefusesTolerancesAndModelsThatAreNone) {
+    expectRefusal("bake builtin:statue -o x.glb --price bytes", 2, "--price is for --model auto");
+    expectRefusal("bake builtin:statue -o x.glb --model auto --price gold", 2, "gold");
+    expectRefusal("render x.glb -o x.png --light-at dawn", 2, "dawn");
     const Folder folder;
     const std::string out = folder / "o.glb";
     for (const char* tolerance : {"0", "-1", "nan", "inf", "much"})

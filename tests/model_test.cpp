@@ -70,6 +70,38 @@ TEST(Models, EachHasAFormulaForEveryClassOfLightsAndARecipe) {
     EXPECT_EQ(irradianceThrough(MODEL_AUTO, undecided, light, LIGHTS_SUN), NO_FORMULA);
 }
 
+TEST(Models, AutoSpendsTheLeastOfWhatItIsAskedToSave) {
+    const Scene scene = makeBuiltin("statue");
+    const Tracer tracer(scene);
+    std::vector<SurfacePoint> points;
+    for (const SurfaceSample& p : sampleReceivers(scene, 120, 4)) points.push_back(p.at);
+    const FitTools tools(256);
+    const RayOcclusion source(tracer);
+    const Price prices[] = {Price::Numbers, Price::Bytes, Price::Cycles};
+    double spent[3][3]{};  // what was saved, and what it cost in each currency
+    for (int saved = 0; saved < 3; ++saved) {
+        BakeOptions options;
+        options.recipe = "auto";
+        options.price = prices[saved];
+        const AutoPlan plan = planAuto(source, points, tools, options, options.tolerance, {});
+        ASSERT_NE(plan.alone, nullptr);
+        EXPECT_GT(priceOf(*plan.alone, options.price), 0);
+        options.lambda = plan.lambda;
+        for (const BakedPoint& p : bakePoints(source, points, options))
+            for (int k = 0; k < 3; ++k) spent[saved][k] += priceOf(chosenModel(models()[MODEL_AUTO], p.params), prices[k]);
+    }
+    for (int saved = 0; saved < 3; ++saved)
+        for (int other = 0; other < 3; ++other) EXPECT_LE(spent[saved][saved], spent[other][saved]) << saved << " against " << other;
+    // Alone: by hand from made-up errors. Of those within 0.05 MODEL_FIRM_2 has the fewest bytes, and MODEL_SOFT_L2 the fewest cycles.
+    std::vector<CandidateErrors> errors(2, CandidateErrors(candidates().size(), 0.2));
+    for (size_t i = 0; i < candidates().size(); ++i)
+        if (candidates()[i].model->id == MODEL_FIRM_2 || candidates()[i].model->id == MODEL_SOFT_L2)
+            errors[0][i] = 0.06, errors[1][i] = 0.01;
+    EXPECT_EQ(leastAlone(errors, 0.05, Price::Bytes)->id, MODEL_FIRM_2);
+    EXPECT_EQ(leastAlone(errors, 0.05, Price::Cycles)->id, MODEL_SOFT_L2);
+    EXPECT_EQ(leastAlone(errors, 0.04, Price::Bytes), nullptr);
+}
+
 TEST(Models, AutoChoosesByTagsThatAssetsHoldForEver) {
     const char* names[] = {"ao-area", "aperture", "soft", "firm-2", "soft-2", "firm-3", "soft-l2", "firm-4"};
     for (size_t tag = 0; tag < std::size(names); ++tag) EXPECT_EQ(autoModels()[tag]->name, names[tag]);

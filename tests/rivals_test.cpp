@@ -101,7 +101,10 @@ double xegtao(const Region& region, const Disc& disc, double margin) {
 double cones(const Region& region, const Disc& disc) {
     const double cosine = std::sqrt(1 - openness(region));
     const glm::dvec3 axis = glm::normalize(meanOpen(region));
-    return open(region, disc) * disc.mean([&](const glm::dvec3& w) { return glm::dot(w, axis) >= cosine ? 1.0 : 0.0; });
+    // The author knows no plane that cuts the light; what is above it counts.
+    const auto above = [&](const glm::dvec3& w) { return glm::dot(w, region.normal) > 0 ? 1.0 : 0.0; };
+    return open(region, disc) * disc.mean([&](const glm::dvec3& w) { return glm::dot(w, axis) >= cosine ? above(w) : 0.0; })
+         / disc.mean(above);
 }
 
 // Bands 0 and 1 of the visibility, and a band 2 that is zonal about the linear band's axis.
@@ -120,13 +123,13 @@ double zonal(const Region& region, const Disc& disc, bool guess) {
 }
 
 // A frame about the normal; azimuths must start where those of the recipe do, which is its choice and not the author's.
-glm::dmat3 frameAbout(const Region& region) {
-    const glm::dvec3 u(frameFromZ(vec3(region.normal), 0)[0]);
-    return {u, glm::cross(region.normal, u), region.normal};
+glm::dmat3 frameAbout(const glm::dvec3& normal) {
+    const glm::dvec3 u = glm::normalize(glm::cross(glm::dvec3(0.36, 0.48, 0.8), normal));
+    return {u, glm::cross(normal, u), normal};
 }
 
 double horizons(const Region& region, const Disc& disc, int azimuths) {
-    const glm::dmat3 frame = frameAbout(region);
+    const glm::dmat3 frame = frameAbout(region.normal);
     std::vector<double> sines;
     for (int i = 0; i < azimuths; ++i) {
         const double turn = 2 * pi * i / azimuths;
@@ -146,7 +149,7 @@ double horizons(const Region& region, const Disc& disc, int azimuths) {
 }
 
 double bits(const Region& region, const Disc& disc, int rings) {
-    const glm::dmat3 frame = frameAbout(region);
+    const glm::dmat3 frame = frameAbout(region.normal);
     const auto sector = [&](const glm::dvec3& w) {
         const glm::dvec3 local = glm::transpose(frame) * w;
         const int ring = std::clamp(int((1 - local.z) * rings), 0, rings - 1);
@@ -286,6 +289,30 @@ TEST(Rivals, AnAmbientCubeIsTheBestOfItsKind) {
     }
 }
 
+TEST(Rivals, OverAnOpenPlaneAllGiveAllOfTheLight) {
+    static const FitTools tools(4096, FitTools::Use::Samples);
+    Region plane;
+    plane.normal = glm::normalize(glm::dvec3(0.3, 1, -0.2));
+    const SurfacePoint point{glm::dvec3(0), vec3(plane.normal), 1};
+    for (const char* name : {"ao-cosine", "xegtao", "bent-cones", "horizon-4", "horizon-32", "bits-128"}) {
+        const Model& model = *findModel(name);
+        BakedPoint baked;
+        samplePoints(plane, {&point, 1}, tools.lattice, 1, 1, {},
+                     [&](size_t, const Samples& s, const mat3& frame) { baked = makePoint(recipeFor(model), tools, s, frame, {}); });
+        const ModelParams* stored = model.isStored() ? &baked.params : nullptr;
+        const Receiver receiver = toReceiver(baked.visibility, toParams(model, baked.visibility, stored, point.normal), point.normal);
+        for (const double elevation : {0.02, 0.1, 0.5, 1.5})
+            for (const double radius : {0.005, 0.09, 0.5}) {
+                const glm::dmat3 frame = frameAbout(plane.normal);
+                const glm::dvec3 towards = frame * glm::dvec3(std::cos(elevation), 0, std::sin(elevation));
+                const CapLight light = capLight(towards, radius);
+                const float e = irradianceThrough(model.id, receiver, light, lightClassOf(light.sinRadius));
+                EXPECT_NEAR(normalised(e, radius), exactFraction(plane.normal, {{towards, radius}}, radius), 0.02)
+                    << name << ", " << elevation << ", " << radius;
+            }
+    }
+}
+
 TEST(Rivals, AHorizonIsFoundWhereItIs) {
     // A wall of known height on one side, about the vertical: the sine of its elevation at each azimuth in closed form.
     struct Wall : OcclusionSource {
@@ -305,11 +332,11 @@ TEST(Rivals, AHorizonIsFoundWhereItIs) {
     samplePoints(wall, {&point, 1}, tools.lattice, 1, 1, {}, [&](size_t, const Samples& s, const mat3& frame) {
         baked = makePoint(*findRecipe("horizon-32"), tools, s, frame, options);
     });
-    const vec3 up(0, 1, 0), tangent = frameFromZ(up, 0)[0], side = cross(up, tangent);
+    const glm::dmat3 frame = frameAbout({0, 1, 0});
     for (int i = 0; i < 32; ++i) {
         const double turn = 2 * pi * i / 32;
-        const vec3 out = float(std::cos(turn)) * tangent + float(std::sin(turn)) * side;
-        const double rise = std::max(1.5 * double(out.x), 0.0);
+        const glm::dvec3 out = std::cos(turn) * frame[0] + std::sin(turn) * frame[1];
+        const double rise = std::max(1.5 * out.x, 0.0);
         EXPECT_NEAR(horizonHeight(toReceiver({}, baked.params, point.normal), 32, i), rise / std::sqrt(1 + rise * rise), 1e-3) << i;
     }
 }

@@ -101,8 +101,7 @@ def cost_charts(rows, radius, folder):
     for column, label, log in costs:
         figure, axes = plt.subplots(figsize=(7.5, 4.6))
         fronts[column] = scatter(axes, table, column, label, log)
-        axes.set_title(f"Light radius {radius:g}°, mean over the scenes; red: nothing is cheaper and better; "
-                       "hollow: rivals and methods as published; blue: the truth's noise", fontsize=8)
+        axes.set_title(f"Light radius {radius:g}°, mean over the scenes; red: nothing is cheaper and better; hollow: rivals", fontsize=8)
         save(figure, folder, "error-" + column.replace("_", "-"))
     return table, fronts
 
@@ -188,11 +187,12 @@ def conclusions(rows, radius, tolerance=0.05):
         here = [r for r in rows if r["scene"] == scene and r["light_radius_deg"] == radius and r["model"] not in BASELINES | {"auto"}]
         if not here:
             continue
-        within = sorted((r["numbers"], r["rmse"], name(r)) for r in here if r["rmse"] <= tolerance)
+        within = sorted((r["numbers"], r["rmse"], name(r)) for r in here if r["rmse"] <= tolerance and r["model"] != "shadow-map")
         best = min(here, key=lambda r: r["rmse"])
         text = (f"{within[0][2]}, {within[0][0]:g} numbers, RMSE {within[0][1]:.3f}" if within
                 else f"no model comes within {tolerance:g}")
-        out.append((scene.removeprefix("builtin:"), text, f"{name(best)}, {best['numbers']:g} numbers, {best['rmse']:.3f}"))
+        out.append((scene.removeprefix("builtin:"), text, f"{name(best)}, {best['rmse']:.3f}" if best["model"] == "shadow-map"
+                    else f"{name(best)}, {best['numbers']:g} numbers, {best['rmse']:.3f}"))
     return out
 
 
@@ -285,7 +285,7 @@ def markdown(rows, table, fronts, folder, radius, about, date):
              + " | ".join(f"a pixel, {r:g}°" for r in radii if r != 1 and r < 30) + f" | GCN4, {radius:g}° | frame / N·L | bake / sh |",
              "|---|---|---|" + "---|" * (len(radii) + 6 + sum(r != 1 and r < 30 for r in radii))]
     for model, row in table.items():
-        cells = [cell(row[key], 2).rstrip("0").rstrip(".") for key in ("numbers", "bytes")] + [cell(tables[r][model]["rmse"], 3) for r in radii]
+        cells = ["" if model == "shadow-map" else cell(row[key], 2).rstrip("0").rstrip(".") for key in ("numbers", "bytes")] + [cell(tables[r][model]["rmse"], 3) for r in radii]
         cells += [cell(row["ambient_rmse"], 3), cell(row["leak_99"], 3), cell(row["cycles_navi21"], 0)]
         cells += [cell(tables[r][model]["cycles_pixel_navi21"], 0) for r in radii if r != 1 and r < 30]
         cells += [cell(row["cycles_pixel_polaris10"], 0), cell(row["frame_ratio"], 2), cell(row["bake_ratio"], 2)]

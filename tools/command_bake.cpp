@@ -50,7 +50,7 @@ void run(const Arguments& a) {
     if (a.model == "auto") {
         info.tolerance = a.bake.tolerance;
         info.price = a.price.empty() ? "numbers" : a.price;
-        if (plan.alone) info.alone = plan.alone->name;
+        info.alone = plan.alone ? plan.alone->name : "none";
     }
     writeAsset(a.out, scene, visibility, info);
     size_t vertices = 0, closed = 0;
@@ -85,7 +85,7 @@ void addBakeCommand(CLI::App& program) {
     for (const Recipe& recipe : recipes()) {
         names += "  ";
         names += recipe.name;
-        names += std::string(recipe.name.size() < 10 ? 10 - recipe.name.size() : 1, ' ');
+        names += std::string(recipe.name.size() < 12 ? 12 - recipe.name.size() : 1, ' ');
         names += recipe.what;
         names += '\n';
     }
@@ -112,10 +112,11 @@ void addBakeCommand(CLI::App& program) {
         ->check(finiteRange(1e-6, 1e6))
         ->type_name("RMSE");
     command
-        .add_option("--price", a->price,
-                    "of the model auto, what to spend least of: bytes stored, or a shader's cycles [numbers that the formula reads]")
-        ->check(CLI::IsMember({"bytes", "cycles"}))
-        ->type_name("bytes|cycles");
+        .add_option(
+            "--price", a->price,
+            "of the model auto, what to spend least of: numbers that the formula reads, bytes stored, or a shader's cycles [numbers]")
+        ->check(CLI::IsMember({"numbers", "bytes", "cycles"}))
+        ->type_name("numbers|bytes|cycles");
     addHeightMapOptions(command, a->map);
     command.callback([a, &command] {
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");

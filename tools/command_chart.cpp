@@ -53,7 +53,7 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
     std::map<std::string, BakeCost> out;
     double plain = 0;
     for (const Recipe& recipe : recipes()) {
-        const bool asked = recipe.model < 0 || measure.models.empty()
+        const bool asked = recipe.model < 0 || !measure.only
                         || std::find(measure.models.begin(), measure.models.end(), &models()[size_t(recipe.model)]) != measure.models.end();
         if (!asked) continue;
         const auto from = Clock::now();
@@ -168,7 +168,8 @@ void run(Arguments a) {
     for (const double radius : a.measure.lightRadii)
         if (const int c = classOf(radius); std::find(classes.begin(), classes.end(), c) == classes.end()) classes.push_back(c);
     std::fprintf(stderr, "apertura: compiling every model for two Radeons and this machine's device, which takes a minute or two\n");
-    const Costs costs = measureCosts(asked, classes, classOf(kMapRadius));
+    const Costs costs = measureCosts(
+        asked, classes, std::count(classes.begin(), classes.end(), classOf(kMapRadius)) ? classOf(kMapRadius) : classes.front());
     std::vector<Measurement> all;
     std::map<std::string, BakeCost> baking;
     {

@@ -92,7 +92,7 @@ void print(const nlohmann::ordered_json& d) {
             if (share.get<double>() > 0)
                 std::printf("%s%s on %.3g %%", std::exchange(between, ", "), name.c_str(), 100 * share.get<double>());
         const std::string alone = printable(a["alone"].get<std::string>());
-        std::printf("; as one model for the whole scene: %s\n", alone.empty() ? "none" : alone.c_str());
+        std::printf("%s%s\n", alone.empty() ? "" : "; as one model for the whole scene: ", alone.c_str());
         std::printf("  reads         %.2f numbers a vertex\n", a["numbers_per_vertex"].get<double>());
         if (a["unreached"].get<double>() > 0)
             std::printf("                no model reached the tolerance at %.1f %% of the vertices\n", 100 * a["unreached"].get<double>());

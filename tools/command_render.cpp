@@ -58,6 +58,8 @@ void run(const Arguments& a) {
     const bool own = a.model.empty();  // use the model that the asset stores
     if (!model && !own && a.model != "reference" && a.model != "shadow-map")
         throw CLI::ValidationError("--model: there is no model '" + a.model + "' (there are " + modelNames() + ", shadow-map, reference)");
+    if (!a.lightAt.empty() && (a.model == "reference" || a.model == "shadow-map"))
+        throw CLI::ValidationError("--light-at is for the models: " + a.model + " lights pixels");
     View view;
     view.width = int(a.width);
     view.height = int(a.height);

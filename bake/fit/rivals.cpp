@@ -59,7 +59,7 @@ double rounded(double x, int bits) {
 
 template <int Count>
 BakedPoint horizon(const FitTools&, const Samples& samples, const mat3& frame, const FitOptions& options) {
-    const vec3 pole = options.terrain ? vec3(0, 1, 0) : frame[2], tangent = tangentTo(pole), side = cross(pole, tangent);
+    const vec3 pole = options.terrain ? vec3(0, 1, 0) : frame[2], tangent = azimuthZero(pole), side = cross(pole, tangent);
     std::vector<vec3> outwards;
     for (int i = 0; i < Count; ++i) {
         const double turn = 2 * double(PI) * i / Count;
@@ -121,7 +121,7 @@ template <int Rings>
 BakedPoint sectors(const FitTools&, const Samples& samples, const mat3& frame, const FitOptions&) {
     constexpr int count = 2 * Rings * Rings;
     const SampleLattice& lattice = *samples.lattice;
-    const vec3 normal = frame[2], tangent = tangentTo(normal), side = cross(normal, tangent);
+    const vec3 normal = frame[2], tangent = azimuthZero(normal), side = cross(normal, tangent);
     int open[count]{}, all[count]{};
     for (size_t i = 0; i < lattice.directions().size(); ++i) {
         const vec3 w = frame * lattice.directions()[i];
@@ -130,8 +130,18 @@ BakedPoint sectors(const FitTools&, const Samples& samples, const mat3& frame, c
         open[sector] += samples.isOpen(i);
     }
     BakedPoint out{project(samples), {}};
-    for (int sector = 0; sector < count; ++sector)
+    for (int sector = 0; sector < count; ++sector) {
+        if (all[sector] == 0) {  // fewer rays than sectors: what the nearest ray saw
+            const float z = 1 - (float(sector / (2 * Rings)) + 0.5f) / Rings, turn = PI * (float(sector % (2 * Rings)) + 0.5f) / Rings;
+            const vec3 middle = z * normal + std::sqrt(1 - z * z) * (std::cos(turn) * tangent + std::sin(turn) * side);
+            size_t nearest = 0;
+            for (size_t i = 0; i < lattice.directions().size(); ++i)
+                if (dot(frame * lattice.directions()[i], middle) > dot(frame * lattice.directions()[nearest], middle)) nearest = i;
+            all[sector] = 1;
+            open[sector] = samples.isOpen(nearest);
+        }
         if (2 * open[sector] >= all[sector]) flat(out.params)[sector / SECTOR_BITS] += float(1 << sector % SECTOR_BITS);
+    }
     return out;
 }
 template BakedPoint sectors<4>(const FitTools&, const Samples&, const mat3&, const FitOptions&);

@@ -5,7 +5,8 @@
 namespace apertura {
 
 // The horizon at Count azimuths, each found along its own plane by rays: a search down from the pole for the first blocked direction
-// of 64, then by halves. Throws std::logic_error for samples without a source.
+// of 64, then by halves. Where the pole itself is blocked, as under a roof, all is: a horizon map holds heights over a plane. Throws
+// std::logic_error for samples without a source.
 template <int Count>
 BakedPoint horizon(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options);
 
@@ -15,7 +16,7 @@ BakedPoint ambientCube(const FitTools& tools, const Samples& samples, const mat3
 // The coefficient of Y20 about the mean open direction.
 BakedPoint zonalBand(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options);
 
-// 2 Rings^2 sectors: a sector is open where at least half of its directions are.
+// 2 Rings^2 sectors: a sector is open where at least half of its directions are or, if it has none, where the nearest is.
 template <int Rings>
 BakedPoint sectors(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options);
 

@@ -17,8 +17,9 @@ namespace {
 const char* const kAttribute = "_VISIBILITY";
 // Limit of JSON values that instances may repeat: a base, and more per byte of the file.
 constexpr double kFewValues = 0x1p20, kValuesAByte = 32;
-// Recipes that make the four numbers and store nothing beside them.
-const char* const kFromFour[] = {"sh", "rays", "sh-fit", "transfer"};
+// Recipes that make the four numbers and store nothing beside them; and `horizon`, whose heights files of 0.1 hold about other tangents
+// than horizon-16 reads: of such a file the four numbers are read.
+const char* const kFromFour[] = {"sh", "rays", "sh-fit", "transfer", "horizon"};
 
 template <typename T>
 Bytes bytesOf(const std::vector<T>& values) {
@@ -373,7 +374,7 @@ Asset readAsset(const std::string& path) { return toAsset(readGltf(path)); }
 
 const Model* storedModel(const BakeInfo& info) {
     const Model* model = findModel(info.model);
-    return model && model->isStored() ? model : nullptr;
+    return model && model->isStored() && model->name == info.model ? model : nullptr;  // not by an alias: see kFromFour
 }
 
 double bytesAPoint(const Asset& asset) {

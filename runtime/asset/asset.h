@@ -16,7 +16,7 @@ struct BakeInfo {
     std::string model = "sh";  // the recipe (bake/fit/fit.h): sh, rays, sh-fit, or the stored model's name
     double tolerance = 0;      // RMSE that "auto" kept within; 0 for other models
     std::string price;         // what "auto" spent least of: numbers, bytes or cycles; empty for other models
-    std::string alone;         // the least model that would keep the tolerance as the scene's only one; empty: none, or not known
+    std::string alone;         // the least model that would keep the tolerance as the scene's only one, or "none"; empty: not known
     int rays = 256;            // per vertex
     int bits = 8;              // per component, 8 or 16
     uint32_t seed = 1;

@@ -12,6 +12,7 @@
 namespace apertura {
 namespace {
 
+const std::string kTooManyLights = "a view has at most " + std::to_string(MAX_LIGHTS) + " lights";
 constexpr VkFormat kPictureFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 std::vector<SceneVertex> toVertices(const Asset& asset, std::vector<uint32_t>& indices) {
@@ -163,7 +164,7 @@ const Renderer::Parts::ModelBuffers& Renderer::Parts::buffersOf(const Model& mod
 
 void Renderer::Parts::light(int frame, const View& view, VkExtent2D size, int litFloats) const {
     if (frame < 0 || frame > frames) throw Error("there is no frame " + std::to_string(frame) + " in flight");
-    if (view.lights.size() > size_t(MAX_LIGHTS)) throw Error("a view has at most " + std::to_string(MAX_LIGHTS) + " lights");
+    if (view.lights.size() > size_t(MAX_LIGHTS)) throw Error(kTooManyLights);
     const float nearest = std::max(1e-4f * glm::length(box.high - box.low), 1e-9f);
     Frame out{};
     out.toClip = clipTransform(view.camera, double(size.width) / size.height, nearest);
@@ -181,6 +182,7 @@ LightAt Renderer::betterLightAt(const Model& model, double pixels) const {
 }
 
 void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights) {
+    if (mostLights < 0 || mostLights > MAX_LIGHTS) throw Error(kTooManyLights);
     Parts& p = *parts_;
     const bool atVertices = at == LightAt::Vertices;
     const GpuBindings& bindings = p.buffersOf(model, atVertices ? litFloats(mostLights) : 0).bindings;
@@ -201,14 +203,16 @@ void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View
     const vk::CommandBuffer commands(to);
     const Parts& p = *parts_;
     // The least of the variants that are prepared and take as many lights.
+    if (view.lights.size() > size_t(MAX_LIGHTS)) throw Error(kTooManyLights);
     const auto lights = int(view.lights.size());
-    auto pipeline = p.pipelines.end();
+    const auto prepared = [&](int room) { return p.pipelines.find({model.id, lightClassOf(view), target.format, variantOf(at, room)}); };
     int room = lights;
-    for (; pipeline == p.pipelines.end() && room <= MAX_LIGHTS; ++room)
-        pipeline = p.pipelines.find({model.id, lightClassOf(view), target.format, variantOf(at, room)});
+    auto pipeline = prepared(room);
+    while (pipeline == p.pipelines.end() && room < MAX_LIGHTS)
+        if (variantOf(at, ++room) >= 0) pipeline = prepared(room);  // the pipeline of one light draws no frame of none
     if (pipeline == p.pipelines.end())
         throw Error("the renderer is not prepared for " + std::string(model.name) + " with these lights and this format");
-    const auto& [floats, litVertices, bindings] = p.buffers.at({model.id, at == LightAt::Vertices ? litFloats(room - 1) : 0});
+    const auto& [floats, litVertices, bindings] = p.buffers.at({model.id, at == LightAt::Vertices ? litFloats(room) : 0});
     p.light(frame, view, target.size, floats);
     const uint32_t offset = PerFrame<Frame>::offset(frame);
     if (at == LightAt::Vertices) {

@@ -15,7 +15,8 @@ namespace apertura {
 int lightClassOf(const View& view);
 
 // Where light is evaluated. Vertices: once a vertex and frame, in a compute pass, which costs less wherever fewer vertices than pixels are
-// drawn; for models that do not mix the picture is the same, up to what the pixel's normal changes about a large light.
+// drawn. For models that do not mix the picture is the same under suns and other lights of up to 3 degrees; under larger ones and lamps,
+// which a vertex sees a little differently from its pixels, nearly so (tests/light_at_test.cpp).
 enum class LightAt { Pixels, Vertices };
 
 // Everything but `record` and `recordShadowMapped` uses the device's queue and changes what is prepared: no other thread may record or
@@ -38,7 +39,7 @@ public:
     //   format      of the target's colour
     //   mostLights  of a frame. 1 makes a faster pipeline, which serves frames of just one light; others any number. At the vertices,
     //               each light takes 4 bytes a vertex and frame
-    // Throws Error if the asset does not hold the model, or its parameters are too large for the device.
+    // Throws Error if the asset does not hold the model, its parameters are too large for the device, or mostLights is above MAX_LIGHTS.
     void prepare(const Model& model, int lightClass, VkFormat format, LightAt at = LightAt::Pixels, int mostLights = MAX_LIGHTS);
 
     // Clears the target to the sky and draws the scene over it. Allocates nothing, waits for nothing, compiles nothing.
