@@ -27,7 +27,7 @@ def add(folder):
     insert(receiver, "const int MODEL_COUNT", f"const int MODEL_FALLOFF = {count};\nconst int MODEL_MULTI_1 = {count + 1};\n")
     receiver.write_text(receiver.read_text().replace(f"MODEL_COUNT = {count};", f"MODEL_COUNT = {count + 2};"))
     models = folder / "shaders/models.glsl"
-    insert(models, "        default: break;\n    }\n    return e;", """\
+    insert(models, "        default: e = irradianceByRival(", """\
         case MODEL_FALLOFF: e = open * falloffTo(receiver.params[0], light); break;
         case MODEL_MULTI_1: e = open * visibleFractionOfUnion(receiver, 1, light, lightClass); break;
 """)
