@@ -18,8 +18,8 @@ static_assert(sizeof(Frame) == 112 + 96 * MAX_LIGHTS);
 static_assert(offsetof(Frame, toClip) == 0 && offsetof(Frame, sky) == 64 && offsetof(Frame, albedo) == 80);
 static_assert(offsetof(Frame, counts) == 96 && offsetof(Frame, lights) == 112);
 
-static_assert(sizeof(SceneVertex) == 48);
-static_assert(offsetof(SceneVertex, position) == 0 && offsetof(SceneVertex, normal) == 16 && offsetof(SceneVertex, visibility) == 32);
+static_assert(sizeof(SceneVertex) == 32);
+static_assert(offsetof(SceneVertex, position) == 0 && offsetof(SceneVertex, normal) == 16);
 
 static_assert(sizeof(Evaluation) == 48 + 16 * MAX_SLOTS);
 static_assert(offsetof(Evaluation, normal) == 0 && offsetof(Evaluation, light) == 16 && offsetof(Evaluation, visibility) == 32

@@ -26,6 +26,7 @@ inline float shadowDepth(const ShadowDepths& map, ivec2 texel) { return map.at(t
 #define APERTURA_STD140 alignas(16)
 #include "shaders/evaluate.glsl"
 #include "shaders/frame.glsl"
+#include "shaders/lattice.glsl"
 #include "shaders/models.glsl"
 #include "shaders/soft_shadow.glsl"
 #include "shaders/visible.glsl"

@@ -17,16 +17,17 @@ APERTURA_FN bool isSphere(Light light) { return light.sphere.w > 0.0f; }
 
 struct Frame {
     mat4 toClip;
-    vec4 sky;      // rgb, W/m2/sr, from all directions that no light fills
-    vec4 albedo;   // rgb, 0..1
-    ivec4 counts;  // x: number of lights, 0..MAX_LIGHTS; y: where the frame's lit vertices begin, in floats; z: floats of each
+    vec4 sky;     // rgb, W/m2/sr, from all directions that no light fills
+    vec4 albedo;  // rgb, 0..1
+    // x: number of lights, 0..MAX_LIGHTS; y: where the frame's lit vertices begin, in floats; z: floats of each; w: where the faces begin
+    // in the indices, 0: there are none
+    ivec4 counts;
     Light lights[MAX_LIGHTS];
 };
 
 struct SceneVertex {
-    vec4 position;    // xyz: world, metres
-    vec4 normal;      // xyz: unit
-    vec4 visibility;  // D, A, sr
+    vec4 position;  // xyz: world, metres
+    vec4 normal;    // xyz: unit
 };
 
 // The cap that a light fills as seen from `position`, metres. A lightClass other than LIGHTS_ANY has no spheres.

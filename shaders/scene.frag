@@ -1,17 +1,20 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#include "lattice.glsl"
 #include "vertex_params.glsl"
 
 // One pipeline per model and class of lights. This text is compiled several times, so that each calls irradianceThrough in one place:
 // drivers copy it, with every model, to each.
 //   APERTURA_CORNERS    0: the parameters are interpolated; 3: the light at the three corners is, because the lobes of neighbouring
-//   vertices
-//                       need not correspond; 1: one corner, to count what it costs
+//                       samples need not correspond; 1: one corner, to count what it costs
 //   APERTURA_ONE_LIGHT  1: for frames of just one light; 0: of any number
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
 layout(location = 2) in vec3 weights;
 layout(location = 3) flat in uvec3 corners;
+layout(location = 4) flat in uint face;
+
+layout(constant_id = 3) const bool onFaces = false;  // some faces have samples of their own
 
 layout(location = 0) out vec4 colour;  // reflected radiance, linear
 
@@ -36,18 +39,26 @@ void addReceiver(Receiver receiver, float share) {
 
 void main() {
     vec3 normal = normalize(worldNormal);
+    // The three samples about the pixel.
+    uvec3 around = corners;
+    vec3 shares = weights;
+    if (onFaces && face > 0) {
+        LatticeCell cell = latticeCell(weights, latticeSteps(int(face & 15)));
+        around = uvec3(cell.samples) + (face >> 4);
+        shares = cell.weights;
+    }
 #if APERTURA_CORNERS == 3
-    for (int c = 0; c < 3; ++c) addReceiver(receiverOf(corners[c], normal), weights[c]);
+    for (int c = 0; c < 3; ++c) addReceiver(receiverOf(around[c], normal), shares[c]);
 #elif APERTURA_CORNERS == 1
-    addReceiver(receiverOf(corners[0], normal), weights[0]);
+    addReceiver(receiverOf(around[0], normal), shares[0]);
 #else
     Receiver receiver;
     receiver.normal = normal;
     receiver.visibility = vec4(0.0);
     for (int k = 0; k < MAX_SLOTS; ++k) receiver.params[k] = vec4(0.0);
     for (int c = 0; c < 3; ++c) {
-        receiver.visibility += weights[c] * vertices[corners[c]].visibility;
-        for (uint k = 0; k < slots; ++k) receiver.params[k] += weights[c] * allParams[corners[c] * slots + k];
+        receiver.visibility += shares[c] * seen[around[c]];
+        for (uint k = 0; k < slots; ++k) receiver.params[k] += shares[c] * allParams[around[c] * slots + k];
     }
     addReceiver(renormalised(model, receiver), 1.0);
 #endif

@@ -5,6 +5,8 @@
 
 layout(set = 0, binding = 0) uniform FrameBlock { Frame frame; };
 layout(std430, set = 0, binding = 1) readonly buffer Vertices { SceneVertex vertices[]; };
+// Three vertices of each triangle; then, if there are samples on faces, one number of each: the place of the first sample of its lattice
+// times 16, and the lattice's level. 0: its samples are its vertices.
 layout(std430, set = 0, binding = 2) readonly buffer Indices { uint indices[]; };
 
 #endif

@@ -1,4 +1,4 @@
-// What the vertices store for one model. Include it before any other constant or buffer of a shader.
+// What samples, vertices and those on faces, store for one model. Include it before any other constant or buffer of a shader.
 #ifndef APERTURA_VERTEX_PARAMS_GLSL
 #define APERTURA_VERTEX_PARAMS_GLSL
 #include "models.glsl"
@@ -7,14 +7,15 @@
 layout(constant_id = 0) const int model = MODEL_SOFT;
 layout(constant_id = 1) const int lightClass = LIGHTS_ANY;
 layout(constant_id = 2) const uint slots = 1;                                          // vec4s of the parameters of a vertex
-layout(std430, set = 0, binding = 3) readonly buffer AllParams { vec4 allParams[]; };  // `slots` per vertex
+layout(std430, set = 0, binding = 3) readonly buffer AllParams { vec4 allParams[]; };  // `slots` per sample
+layout(std430, set = 0, binding = 5) readonly buffer Seen { vec4 seen[]; };            // D, A, sr, of each sample: first the vertices
 
-// What a vertex sees. `normal`: of the receiver, unit.
-Receiver receiverOf(uint vertex, vec3 normal) {
+// What is seen at a sample. `normal`: of the receiver, unit.
+Receiver receiverOf(uint place, vec3 normal) {
     Receiver receiver;
     receiver.normal = normal;
-    receiver.visibility = vertices[vertex].visibility;
-    for (uint k = 0; k < slots; ++k) receiver.params[k] = allParams[vertex * slots + k];
+    receiver.visibility = seen[place];
+    for (uint k = 0; k < slots; ++k) receiver.params[k] = allParams[place * slots + k];
     return receiver;
 }
 

@@ -129,7 +129,8 @@ def commands(rng, path, out):
     height = ["--terrain-rgb"] if path.stem == "rgb" else []
     if verb == "bake":
         model = rng.choice([[], ["--model", "firm-2"], ["--model", "auto"], ["--bits", "16"]])
-        return ["bake", path, "-o", out / "o.glb", "--rays", "8", *model, *height]
+        at = rng.choice([[], ["--at", "vertices"]])
+        return ["bake", path, "-o", out / "o.glb", "--rays", "8", *model, *at, *height]
     if verb == "info":
         return ["info", path, *rng.choice([[], ["--json"]])]
     if verb == "render":

@@ -1,7 +1,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "bake/fit/bake.h"
+#include "bake/fit/faces.h"
 #include "runtime/asset/asset.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
@@ -19,7 +19,7 @@ struct Arguments {
     BakeOptions bake;
     int bits = 8;
     bool spacingGiven = false;
-    std::string price;
+    std::string price, at;
 };
 
 void run(const Arguments& a) {
@@ -40,13 +40,16 @@ void run(const Arguments& a) {
     BakedVisibility visibility;
     MeshIssues issues;
     AutoPlan plan{};
+    FaceReport report;
     {
         ProgressBar bar("baking");
         const Progress progress = bar.callback();
         const Tracer tracer(scene, progress);
         info.rayOffset = tracer.offset();
-        visibility = bakeVertices(scene, tracer, a.bake, progress, &issues, &plan);
+        visibility = bakeScene(scene, tracer, a.bake, progress, &issues, &plan, &report);
     }
+    info.at = a.bake.at == At::Faces ? "faces" : "vertices";
+    info.unmetArea = report.unmet;
     if (a.model == "auto") {
         info.tolerance = a.bake.tolerance;
         info.price = a.price.empty() ? "numbers" : a.price;
@@ -60,6 +63,13 @@ void run(const Arguments& a) {
     }
     std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices, triangleCount(scene),
                 a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
+    if (report.samples > 0)
+        std::printf("  %zu samples on faces add %.3g to the model's own error, by what was asked for at most %.3g\n", report.samples,
+                    report.error, report.tolerance);
+    if (report.unmet > 0)
+        std::printf("  %.3g %% of the surface errs more than that and is refined no further: %s\n", 100 * report.unmet,
+                    a.bake.maxBytes > 0 ? "--max-bytes is reached, or finer samples do not help" : "finer samples do not help");
+    if (report.buried > 0) std::printf("  %.3g %% of the surface lies inside solids and gets no samples\n", 100 * report.buried);
     if (isHeightMap(a.scene) && !a.spacingGiven)
         std::printf("  texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise\n");
     if (double(closed) > kNearlyAll * double(vertices))
@@ -80,7 +90,7 @@ std::string whyNoRecipe(const std::string& name) {
 
 void addBakeCommand(CLI::App& program) {
     auto a = std::make_shared<Arguments>();
-    CLI::App& command = *program.add_subcommand("bake", "ray trace what each vertex sees of the sky, into a glTF asset");
+    CLI::App& command = *program.add_subcommand("bake", "ray trace what a scene sees of the sky, into a glTF asset");
     std::string names;
     for (const Recipe& recipe : recipes()) {
         names += "  ";
@@ -117,9 +127,26 @@ void addBakeCommand(CLI::App& program) {
             "of the model auto, what to spend least of: numbers that the formula reads, bytes stored, or a shader's cycles [numbers]")
         ->check(CLI::IsMember({"numbers", "bytes", "cycles"}))
         ->type_name("numbers|bytes|cycles");
+    command
+        .add_option("--at", a->at, "where to store it: vertices, or faces: samples on the faces too that these do not suffice for [faces]")
+        ->check(CLI::IsMember({"vertices", "faces"}))
+        ->type_name("vertices|faces");
+    command
+        .add_option("--storage-tolerance", a->bake.storageTolerance,
+                    "RMSE of E / (L pi sin^2 r), at a light radius of 5 degrees, that storing may add [half of what the model errs]")
+        ->check(finiteRange(1e-6, 1e6))
+        ->type_name("RMSE");
+    command.add_option("--max-bytes", a->bake.maxBytes, "that visibility may take in the file [no limit]")
+        ->check(finiteRange(1, 1e12))
+        ->type_name("N");
     addHeightMapOptions(command, a->map);
     command.callback([a, &command] {
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
+        if (command.count("--tolerance") > 0 && a->model != "auto") throw CLI::ValidationError("--tolerance is for --model auto");
+        if (a->at == "vertices" && (a->bake.storageTolerance > 0 || a->bake.maxBytes > 0))
+            throw CLI::ValidationError("--storage-tolerance and --max-bytes are for --at faces");
+        a->bake.at = a->at == "vertices" ? At::Vertices : At::Faces;
+        a->bake.bits = a->bits;
         a->bake.price = a->price == "bytes" ? Price::Bytes : a->price == "cycles" ? Price::Cycles : Price::Numbers;
         a->model = findRecipe(a->model)->name;
         a->spacingGiven = command.count("--spacing") > 0;

@@ -41,6 +41,11 @@ nlohmann::ordered_json toJson(const Measurement& m) {
                         {"ambient_rmse", r.ambient},
                         {"leak_max", r.leakMax},
                         {"leak_99", r.leak99}});
+        if (m.paths.empty() && r.own > 0) {
+            rows.back()["own"] = r.own;
+            rows.back()["ratio"] = r.rmse / r.own;
+            rows.back()["ambient_own"] = r.ambientOwn;
+        }
         if (r.texelsPerMetre > 0) rows.back()["texels_per_metre"] = r.texelsPerMetre;
     }
     for (const PathRow& p : m.paths)
@@ -51,7 +56,7 @@ nlohmann::ordered_json toJson(const Measurement& m) {
                          {"radius_deg_rms", p.radiusRms},
                          {"radius_deg_max", p.radiusMax},
                          {"irradiance_rms", p.irradianceRms}});
-    nlohmann::ordered_json out{{"scene", m.scene}, {"receivers", m.receivers}, {"rows", rows}};
+    nlohmann::ordered_json out{{"scene", m.scene}, {"receivers", m.receivers}, {"buried", m.buried}, {"rows", rows}};
     if (!m.paths.empty()) out["sh_and_rays"] = paths;
     return out;
 }
@@ -60,7 +65,9 @@ nlohmann::ordered_json toJson(const Measurement& m) {
 void print(const Measurement& m, const std::vector<double>& radii) {
     std::printf("%s: %s\n", m.scene.c_str(),
                 m.paths.empty() ? "the whole error, interpolated from the asset's bytes" : "each model's own error, at the receivers");
-    std::printf("rmse of E / (L pi sin^2 r) at %d receivers, by light radius in degrees\n", m.receivers);
+    std::printf("rmse of E / (L pi sin^2 r) at %d receivers, by light radius in degrees", m.receivers);
+    if (m.buried > 0) std::printf("; %d more lie inside solids, where nobody sees them", m.buried);
+    std::printf("\n");
     std::printf("%-12s %-5s %7s %6s %7s", "model", "from", "numbers", "bytes", "ambient");
     for (double radius : radii) std::printf(" %8g", radius);
     std::printf("\n");
@@ -68,6 +75,10 @@ void print(const Measurement& m, const std::vector<double>& radii) {
         const MeasureRow& first = m.rows[i];
         std::printf("%-12s %-5s %7.4g %6.3g %7.4f", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes, first.ambient);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].rmse);
+        std::printf("\n");
+        if (!m.paths.empty() || !(first.own > 0)) continue;
+        std::printf("%-33s %7.4f", "  at the receivers themselves", first.ambientOwn);
+        for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].own);
         std::printf("\n");
     }
     const auto footer = [&](const char* name, double MeasureRow::*field) {

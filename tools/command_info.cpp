@@ -49,6 +49,15 @@ nlohmann::ordered_json describe(const std::string& file) {
             area += v.area / (2 * std::numbers::pi);
             cap += capness(v);
         }
+    size_t samples = 0;
+    nlohmann::ordered_json bySteps = nlohmann::json::object();
+    for (int level = 1; level <= MAX_LATTICE_LEVEL; ++level) {
+        size_t count = 0;
+        for (const SeenByInstance& seen : asset.seen)
+            for (const uint8_t own : seen.faces.levels) count += own == level ? size_t(latticeSize(latticeSteps(level))) : 0;
+        if (count > 0) bySteps[std::to_string(latticeSteps(level))] = count;
+        samples += count;
+    }
     const PackingError error = packingError(asset.info.bits);
     nlohmann::ordered_json out{{"file", file},
                                {"version", asset.info.version},
@@ -62,6 +71,11 @@ nlohmann::ordered_json describe(const std::string& file) {
                                {"triangles", triangleCount(asset.scene)},
                                {"bits", asset.info.bits},
                                {"bytes_per_vertex", bytesAPoint(asset)},
+                               {"visibility_bytes", visibilityBytes(asset)},
+                               {"at", asset.info.at},
+                               {"samples", samples},
+                               {"samples_by_steps", bySteps},
+                               {"unmet_area", asset.info.unmetArea},
                                {"mean_open", area / double(vertices)},
                                {"mean_capness", cap / double(vertices)},
                                {"closed_vertices", closed},
@@ -71,6 +85,7 @@ nlohmann::ordered_json describe(const std::string& file) {
                                  {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / std::numbers::pi},
                                  {"radius_degrees", error.radius * 180 / std::numbers::pi}}}};
     if (asset.info.model == "auto") out["auto"] = describeChoices(asset);
+    if (!asset.scene.notes.empty()) out["notes"] = asset.scene.notes;
     return out;
 }
 
@@ -82,7 +97,19 @@ void print(const nlohmann::ordered_json& d) {
     if (d["max_distance"].get<double>() > 0) std::printf("  max distance  %g m\n", d["max_distance"].get<double>());
     std::printf("  geometry      %zu vertices, %zu triangles, %zu instances\n", d["vertices"].get<size_t>(), d["triangles"].get<size_t>(),
                 d["instances"].get<size_t>());
-    std::printf("  stored        %.3g bytes a vertex, %d bits a number\n", d["bytes_per_vertex"].get<double>(), d["bits"].get<int>());
+    std::printf("  stored        %.3g bytes a vertex, %d bits a number; %zu bytes in all\n", d["bytes_per_vertex"].get<double>(),
+                d["bits"].get<int>(), d["visibility_bytes"].get<size_t>());
+    if (d["samples"].get<size_t>() > 0) {
+        std::printf("  on faces      %zu samples, on lattices of", d["samples"].get<size_t>());
+        const char* comma = " ";
+        for (const auto& [steps, count] : d["samples_by_steps"].items())
+            std::printf("%s%s steps: %zu", std::exchange(comma, ", "), steps.c_str(), count.get<size_t>());
+        std::printf("\n");
+        if (d["unmet_area"].get<double>() > 0)
+            std::printf("                %.3g %% of the surface errs more than was asked for\n", 100 * d["unmet_area"].get<double>());
+    }
+    if (d.contains("notes"))
+        for (const auto& note : d["notes"]) std::printf("  note          %s\n", printable(note.get<std::string>()).c_str());
     if (d.contains("auto")) {
         const auto& a = d["auto"];
         std::printf("  needs         least model within %g, by %s:", a["tolerance"].get<double>(),

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "bake/fit/choose.h"
+#include "bake/fit/faces.h"
 #include "bake/sampling/progress.h"
 #include "bake/sampling/surface_points.h"
 #include "runtime/asset/error.h"
@@ -13,7 +14,30 @@
 namespace apertura {
 namespace {
 
-constexpr int kLambdaPoints = 400;  // points over the surface, from which the Lagrange multiplier of `auto` is found
+constexpr int kLambdaPoints = 400;     // points over the surface, from which the Lagrange multiplier of `auto` is found
+constexpr int kOwnPoints = 600;        // and those from which what a model itself errs is found,
+constexpr int kOwnRays = 1024;         // by at least so many rays
+constexpr double kStorageShare = 0.5;  // of the model's own error: what storing adds to it is then an eighth
+
+// The RMSE of E / (L pi sin^2 r) that a recipe's model has at points of the surface that lie outside solids, under lights of 5 degrees.
+double ownErrorOf(const Scene& scene, const OcclusionSource& source, const Solids& solids, const BakeOptions& options,
+                  const FitOptions& fitOptions, const Progress& progress) {
+    const Recipe& recipe = recipeNamed(options.recipe);
+    const Model& model = models()[size_t(recipe.model >= 0 ? recipe.model : recipe.only >= 0 ? recipe.only : MODEL_SOFT)];
+    const FitTools tools(std::max(options.rays, kOwnRays), FitTools::Use::Choice);
+    std::vector<SurfacePoint> points;
+    for (const SurfaceSample& p : sampleSurface(scene, kOwnPoints, options.seed))
+        if (solids.backsSeen(p.at, 0) <= Solids::kProbes / 4) points.push_back(p.at);
+    std::vector<double> errors(points.size());
+    samplePoints(source, points, tools.lattice, options.seed, options.threads, progress,
+                 [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+                     const BakedPoint local = recipe.make(tools, samples, frame, fitOptions);
+                     errors[i] = probeError(tools, tools.probes[0], samples, visibleTo(tools.lattice, model, local));
+                 });
+    double sum = 0;
+    for (const double error : errors) sum += error * error;
+    return std::sqrt(sum / double(std::max<size_t>(errors.size(), 1)));
+}
 
 }  // namespace
 
@@ -72,6 +96,45 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
         out[instance].visibility[vertex] = baked[k].visibility;
         if (stored) out[instance].allParams[vertex] = baked[k].params;
     }
+    return out;
+}
+
+BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress,
+                          MeshIssues* issues, AutoPlan* plan, FaceReport* report) {
+    if (options.at == At::Vertices) return bakeVertices(scene, tracer, options, progress, issues, plan);
+    std::optional<tbb::global_control> limit;
+    if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
+    const Recipe& recipe = recipeNamed(options.recipe);
+    AutoPlan found{};
+    BakedVisibility out = bakeVertices(scene, tracer, options, part(progress, 0, 0.4), issues, &found);
+    if (plan) *plan = found;
+    const RayOcclusion source(tracer, options.maxDistance);
+    const Solids solids(scene, tracer);
+    const Prober prober(scene, source, solids, options.rays, options.seed);
+    const FitOptions fitOptions{options.tolerance, found.lambda, options.price, scene.isTerrain};
+    Faces faces(scene, prober, out, options.seed, part(progress, 0.4, 0.5));
+    if (faces.empty()) return out;
+    FaceOptions wanted;
+    wanted.tolerance = options.storageTolerance;
+    if (!(wanted.tolerance > 0))
+        wanted.tolerance = kStorageShare * ownErrorOf(scene, source, solids, options, fitOptions, part(progress, 0.5, 0.55));
+    wanted.maxBytes = options.maxBytes;
+    size_t vertices = 0;
+    for (const SeenByInstance& seen : out) vertices += seen.visibility.size();
+    const double extra = recipe.model == MODEL_AUTO ? 4 : recipe.model >= 0 ? storedNumbers(models()[size_t(recipe.model)]) : 0;
+    wanted.bytesASample = (4 + extra) * options.bits / 8;
+    wanted.bytesElsewhere = double(vertices) * wanted.bytesASample + double(triangleCount(scene));
+    faces.refine(wanted, part(progress, 0.55, 0.8));
+    BakedVisibility fitted = faces.fit();
+    if (recipe.name == "sh") {
+        out = std::move(fitted);
+    } else {
+        BakeOptions sampling = options;
+        sampling.lambda = found.lambda;
+        for (size_t i = 0; i < out.size(); ++i) out[i].faces = std::move(fitted[i].faces);
+        faces.bakeSamples(out, source, sampling, part(progress, 0.8, 1));
+    }
+    if (report) *report = faces.report();
     return out;
 }
 

@@ -10,6 +10,9 @@
 
 namespace apertura {
 
+// Where visibility is stored: at vertices alone, or on faces too, as finely as each one needs.
+enum class At { Vertices, Faces };
+
 struct BakeOptions {
     std::string_view recipe = "sh";  // a name of recipes()
     double tolerance = 0.05;         // "auto" only: the RMSE of E / (L pi sin^2 r) to keep
@@ -20,7 +23,14 @@ struct BakeOptions {
     double maxDistance = 0;          // bakeVertices only: metres beyond which nothing blocks; 0: no limit
     bool terrain = false;            // bakePoints only: see FitOptions; bakeVertices takes it from the scene
     int threads = 0;                 // 0: all cores
+    // bakeScene only:
+    At at = At::Faces;
+    double storageTolerance = 0;  // RMSE of E / (L pi sin^2 r), a light of 5 degrees, that storing may add; 0: half of what the model errs
+    double maxBytes = 0;          // of all visibility; 0: no limit
+    int bits = 8;                 // that a number will be stored in, for what a sample takes
 };
+
+struct FaceReport;  // bake/fit/faces.h
 
 // What `auto` needs to know of a scene before it chooses.
 struct AutoPlan {
@@ -41,5 +51,10 @@ std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<cons
 // `issues`, where given, receives what is doubtful in the scene's meshes, and `plan` what "auto" went by.
 BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress = {},
                              MeshIssues* issues = nullptr, AutoPlan* plan = nullptr);
+
+// Bakes vertices and, where options.at asks for them, samples on faces. The result does not depend on the number of threads. Throws
+// Cancelled.
+BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress = {},
+                          MeshIssues* issues = nullptr, AutoPlan* plan = nullptr, FaceReport* report = nullptr);
 
 }  // namespace apertura

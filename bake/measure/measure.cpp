@@ -171,6 +171,38 @@ std::optional<tbb::global_control> limitThreads(int threads) {
 
 }  // namespace
 
+namespace {
+
+// A model at the receivers themselves, from what a recipe made there. `unreached` is set for `auto` alone.
+ModelReceivers receiversOf(const Recipe& recipe, const Model& model, std::span<const BakedPoint> baked,
+                           std::span<const SurfacePoint> points, double& unreached) {
+    ModelReceivers made{&model, std::string(recipe.source), double(model.numbers), bytesOf(model, recipe), {}};
+    double chosen = 0, bytes = 0, missed = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+        const BakedPoint& p = baked[i];
+        const ModelParams* stored = recipe.model >= 0 ? &p.params : nullptr;
+        made.receivers.push_back(
+            {{1.0f, toReceiver(p.visibility, toParams(model, p.visibility, stored, points[i].normal), points[i].normal)}});
+        if (model.id != MODEL_AUTO) continue;
+        const Model& own = chosenModel(model, p.params);
+        chosen += own.numbers;
+        bytes += storedNumbers(own);
+        missed += choiceIn(p.params[CHOICE_SLOT]).outOfReach;
+    }
+    if (model.id == MODEL_AUTO) {
+        made.numbers = chosen / double(points.size());
+        made.bytes = 5 + bytes / double(points.size());  // four, one for the choice, and the chosen model's own
+        unreached = missed / double(points.size());
+    } else if (recipe.model >= 0 && model.fromVisibility) {
+        made.numbers = storedNumbers(model);
+    }
+    return made;
+}
+
+Price priceNamed(const std::string& name) { return name == "bytes" ? Price::Bytes : name == "cycles" ? Price::Cycles : Price::Numbers; }
+
+}  // namespace
+
 Measurement measureScene(const Scene& scene, const MeasureOptions& options, const Progress& progress) {
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(scene, part(progress, 0, 0));
@@ -202,30 +234,12 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
     Measurement out;
     out.scene = scene.name;
     out.receivers = int(points.size());
+    out.buried = lit.buried;
     for (const SurfacePoint& p : points) out.positions.push_back(p.position);
     for (size_t k = 0; k < wanted.size(); ++k) {
         const Recipe& recipe = *wanted[k].first;
         for (const Model* model : wanted[k].second) {
-            ModelReceivers made{model, std::string(recipe.source), double(model->numbers), bytesOf(*model, recipe), {}};
-            double chosen = 0, bytes = 0, missed = 0;
-            for (size_t i = 0; i < points.size(); ++i) {
-                const BakedPoint& p = baked[k][i];
-                const ModelParams* stored = recipe.model >= 0 ? &p.params : nullptr;
-                made.receivers.push_back(
-                    {{1.0f, toReceiver(p.visibility, toParams(*model, p.visibility, stored, points[i].normal), points[i].normal)}});
-                if (model->id != MODEL_AUTO) continue;
-                const Model& own = chosenModel(*model, p.params);
-                chosen += own.numbers;
-                bytes += storedNumbers(own);
-                missed += choiceIn(p.params[CHOICE_SLOT]).outOfReach;
-            }
-            if (model->id == MODEL_AUTO) {
-                made.numbers = chosen / double(points.size());
-                made.bytes = 5 + bytes / double(points.size());  // four, one for the choice, and the chosen model's own
-                out.unreached = missed / double(points.size());
-            } else if (recipe.model >= 0 && model->fromVisibility) {
-                made.numbers = storedNumbers(*model);
-            }
+            const ModelReceivers made = receiversOf(recipe, *model, baked[k], points, out.unreached);
             addRows(lit, made, sh, options, out.rows);
         }
     }
@@ -239,31 +253,59 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(asset.scene, part(progress, 0, 0));
     const LitReceivers lit = traceLitReceivers(asset.scene, measuredRegion(asset.info.scene, asset.scene), tracer, options,
-                                               part(progress, 0, 0.9));
+                                               part(progress, 0, 0.8));
     const std::vector<SurfacePoint> points = lit.surfacePoints();
+    const RayOcclusion occlusion(tracer, asset.info.maxDistance);
+    // What each model is measured with: the recipe that the asset was baked by. A stored model leaves the four numbers as they were baked;
+    // only `auto` may replace them with fitted ones.
+    const Model* storedOne = storedModel(asset.info);
+    const Recipe* baked = findRecipe(asset.info.model);
+    std::vector<std::pair<const Recipe*, const Model*>> wanted;
+    for (const Model& model : models()) {
+        const bool stored = storedOne == &model;
+        if ((!stored && !model.fromVisibility) || !asked(options, model)) continue;
+        const bool four = baked && (stored || baked->model < 0 || baked->model == MODEL_AUTO);
+        wanted.emplace_back(four ? baked : &recipeNamed("sh"), &model);
+    }
+    std::vector<const Recipe*> recipes{&recipeNamed("sh")};
+    for (const auto& [recipe, model] : wanted)
+        if (std::find(recipes.begin(), recipes.end(), recipe) == recipes.end()) recipes.push_back(recipe);
+    const FitTools tools(options.rays);
+    FitOptions fitOptions{.tolerance = asset.info.tolerance, .price = priceNamed(asset.info.price), .terrain = asset.scene.isTerrain};
     BakeOptions bake;
     bake.rays = options.rays;
     bake.seed = options.seed;
+    bake.price = fitOptions.price;
+    if (baked && baked->model == MODEL_AUTO)
+        fitOptions.lambda = planAuto(occlusion, points, tools, bake, asset.info.tolerance, part(progress, 0.8, 0.85)).lambda;
+    std::vector<std::vector<BakedPoint>> own(recipes.size(), std::vector<BakedPoint>(points.size()));
+    samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.85, 1),
+                 [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+                     for (size_t k = 0; k < recipes.size(); ++k) own[k][i] = makePoint(*recipes[k], tools, samples, frame, fitOptions);
+                 });
     std::vector<Visibility> truth;
-    for (const BakedPoint& p : bakePoints(RayOcclusion(tracer), points, bake, part(progress, 0.9, 1))) truth.push_back(p.visibility);
+    for (const BakedPoint& p : own[0]) truth.push_back(p.visibility);
 
     Measurement out;
     out.scene = asset.scene.name;
     out.receivers = int(points.size());
+    out.buried = lit.buried;
     for (const SurfacePoint& p : points) out.positions.push_back(p.position);
-    const Model* own = storedModel(asset.info);
-    for (const Model& model : models()) {
-        const bool stored = own == &model;
-        if ((!stored && !model.fromVisibility) || !asked(options, model)) continue;
-        const Recipe* recipe = findRecipe(asset.info.model);
-        // A stored model leaves the four numbers as they were baked; only `auto` may replace them with fitted ones.
-        const bool own4 = recipe && (stored || recipe->model < 0 || recipe->model == MODEL_AUTO);
-        ModelReceivers made{&model, std::string(own4 ? recipe->source : "sh"), double(model.numbers), bytesAPoint(asset), {}};
-        if (stored && model.id == MODEL_AUTO) made.numbers = chosenNumbers(asset);
-        if (stored && model.fromVisibility) made.numbers = storedNumbers(model);
+    for (const auto& [recipe, model] : wanted) {
+        const bool stored = storedOne == model;
+        ModelReceivers made{model, std::string(recipe->source), double(model->numbers), bytesAPoint(asset), {}};
+        if (stored && model->id == MODEL_AUTO) made.numbers = chosenNumbers(asset);
+        if (stored && model->fromVisibility) made.numbers = storedNumbers(*model);
         for (const SurfaceSample& p : lit.points)
-            made.receivers.push_back(receiverAt(asset, model, p.instance, p.triangle, p.weights, p.at.normal));
+            made.receivers.push_back(receiverAt(asset, *model, p.instance, p.triangle, p.weights, p.at.normal));
+        const size_t first = out.rows.size();
         addRows(lit, made, truth, options, out.rows);
+        double unreached = 0;
+        const auto k = size_t(std::find(recipes.begin(), recipes.end(), recipe) - recipes.begin());
+        std::vector<MeasureRow> there;
+        addRows(lit, receiversOf(*recipe, *model, own[k], points, unreached), truth, options, there);
+        for (size_t r = 0; r < there.size(); ++r)
+            out.rows[first + r].own = there[r].rmse, out.rows[first + r].ambientOwn = there[r].ambient;
     }
     if (options.shadowMap) addShadowRows(lit, tracer, worldBounds(asset.scene), truth, options, out.rows);
     return out;

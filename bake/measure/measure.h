@@ -31,9 +31,10 @@ struct MeasureRow {
                              // which gives a rival's bytes as its authors pack it, alone
     double lightRadius = 0;  // degrees
     double rmse = 0, bias = 0, max = 0;
-    double rmsTruth = 0;  // RMS of the truth itself
-    double noise = 0;     // RMS of the truth's own sampling error
-    double ambient = 0;   // RMSE of the irradiance from a uniform sky, over pi
+    double rmsTruth = 0;             // RMS of the truth itself
+    double noise = 0;                // RMS of the truth's own sampling error
+    double ambient = 0;              // RMSE of the irradiance from a uniform sky, over pi
+    double own = 0, ambientOwn = 0;  // measureAsset: rmse and ambient of the model made at the same receivers themselves
     // Light that the model lets through where the truth is 0, for lights with a cosine to the normal over 0.1 (6 degrees
     // above the surface): the maximum and the 99th percentile. 0 if there are no such lights.
     double leakMax = 0, leak99 = 0;
@@ -52,7 +53,7 @@ struct PathRow {
 
 struct Measurement {
     std::string scene;
-    int receivers = 0;
+    int receivers = 0, buried = 0;     // measured, and left out because nobody can see them
     std::vector<glm::vec3> positions;  // of the receivers, world, metres
     std::vector<MeasureRow> rows;
     double unreached = 0;  // fraction of receivers where no model came within the tolerance of `auto`
@@ -63,8 +64,8 @@ struct Measurement {
 // `paths` says where the two differ. Throws Error naming the scene where the region has no area; Cancelled.
 Measurement measureScene(const Scene& scene, const MeasureOptions& options, const Progress& progress = {});
 
-// The whole error: each model is interpolated from what the asset stores, as the renderer does. `rays` then serves the
-// ambient truth alone; `unreached` stays 0 and `paths` empty. Throws as measureScene does.
+// The whole error: each model is interpolated from what the asset stores, as the renderer does, beside what it errs
+// at the receivers themselves. `unreached` stays 0 and `paths` empty. Throws as measureScene does.
 Measurement measureAsset(const Asset& asset, const MeasureOptions& options, const Progress& progress = {});
 
 }  // namespace apertura

@@ -8,12 +8,14 @@
 #include <numbers>
 
 #include "bake/sampling/directions.h"
+#include "runtime/asset/error.h"
 #include "runtime/asset/view.h"
 
 namespace apertura {
 namespace {
 
 using std::numbers::pi;
+constexpr int kBackRays = 64;        // by which a receiver is found to be buried
 constexpr double kLeakCosine = 0.1;  // leaks count for lights whose cosine to the normal is above this
 
 // E / (L pi sin^2 r) that a model or a baseline has for light k of receiver i.
@@ -98,7 +100,16 @@ private:
 LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options,
                                const Progress& progress) {
     LitReceivers lit;
-    lit.points = sampleSurface(scene, options.receivers, options.seed, region.region);
+    const std::vector<SurfaceSample> spread = sampleSurface(scene, options.receivers, options.seed, region.region);
+    const Solids solids(scene, tracer);
+    std::vector<uint8_t> buried(spread.size());
+    tbb::parallel_for(size_t(0), spread.size(), [&](size_t i) {
+        buried[i] = solids.backsSeen(spread[i].at, 2 * pi * hashUnit(options.seed, i, 99), kBackRays) > kBackRays / 4;
+    });
+    for (size_t i = 0; i < spread.size(); ++i)
+        if (!buried[i]) lit.points.push_back(spread[i]);
+    lit.buried = int(spread.size() - lit.points.size());
+    if (lit.points.empty()) throw Error(scene.name + ": its whole surface lies inside solids, or its faces are inside out");
     const size_t n = lit.points.size();
     lit.lights.resize(n);
     lit.truth.resize(n);

@@ -15,6 +15,7 @@ struct LitReceivers {
     std::vector<SurfaceSample> points;
     std::vector<std::vector<glm::vec3>> lights;                // [receiver][light]
     std::vector<std::vector<std::vector<TruthSample>>> truth;  // [receiver][radius][light]
+    int buried = 0;                                            // receivers that were left out, because nobody can see them
 
     std::vector<SurfacePoint> surfacePoints() const {
         std::vector<SurfacePoint> out;
@@ -24,7 +25,8 @@ struct LitReceivers {
     }
 };
 
-// Places receivers in the region, lights them and traces the truth. Throws as sampleSurface does, and Cancelled.
+// Places receivers in the region, lights them and traces the truth. Those are left out of whose hemisphere more than a quarter meets backs
+// of one-sided faces: they lie inside solids. Throws as sampleSurface does, Cancelled, and Error naming the scene where all are buried.
 LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region, const Tracer& tracer, const MeasureOptions& options,
                                const Progress& progress);
 

@@ -40,11 +40,11 @@ std::vector<std::vector<bool>> twoSided(const Scene& scene) {
 
 Solids::Solids(const Scene& scene, const Tracer& tracer) : scene_(scene), tracer_(tracer), twoSided_(twoSided(scene)) {}
 
-int Solids::backsSeen(const SurfacePoint& point, double spin) const {
-    static const std::vector<glm::vec3> probes = fibonacciHemisphere(kProbes);
+int Solids::backsSeen(const SurfacePoint& point, double spin, int probes) const {
+    static const std::vector<glm::vec3> usual = fibonacciHemisphere(kProbes);
     const glm::mat3 frame = frameFromZ(point.normal, spin);
     int backs = 0;
-    for (const glm::vec3& w : probes) {
+    for (const glm::vec3& w : probes == kProbes ? usual : fibonacciHemisphere(probes)) {
         const std::optional<Hit> hit = tracer_.nearest(rayOrigin(tracer_, point), frame * w);
         backs += hit && isBack(*hit);
     }

@@ -27,9 +27,8 @@ public:
     Solids(const Scene& scene, const Tracer& tracer);
 
     static constexpr int kProbes = 16;
-    // How many of kProbes rays over the point's hemisphere, rotated by `spin` radians, see the back of a face:
-    // 0..kProbes.
-    int backsSeen(const SurfacePoint& point, double spin) const;
+    // How many of `probes` rays over the point's hemisphere, rotated by `spin` radians, see the back of a face.
+    int backsSeen(const SurfacePoint& point, double spin, int probes = kProbes) const;
 
     // True where the straight way from one point to another leads out through the back of a face.
     bool comesOut(const SurfacePoint& from, const SurfacePoint& to) const;

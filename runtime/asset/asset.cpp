@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "runtime/asset/faces.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/gltf.h"
 #include "runtime/asset/gltf_writer.h"
@@ -89,11 +90,18 @@ void addScene(GltfWriter& writer, Scene& scene) {
 }
 
 Json describe(const BakeInfo& info) {
-    Json out{{"version", info.version},     {"scene", info.scene},
-             {"model", info.model},         {"tolerance", info.tolerance},
-             {"rays", info.rays},           {"bits", info.bits},
-             {"seed", info.seed},           {"maxDistance", info.maxDistance},
-             {"rayOffset", info.rayOffset}, {"hemisphere", info.hemisphere}};
+    Json out{{"version", info.version},
+             {"scene", info.scene},
+             {"model", info.model},
+             {"tolerance", info.tolerance},
+             {"rays", info.rays},
+             {"bits", info.bits},
+             {"seed", info.seed},
+             {"maxDistance", info.maxDistance},
+             {"rayOffset", info.rayOffset},
+             {"hemisphere", info.hemisphere},
+             {"at", info.at}};
+    if (info.unmetArea > 0) out["unmetArea"] = info.unmetArea;
     if (!info.price.empty()) out["price"] = info.price;
     if (!info.alone.empty()) out["alone"] = info.alone;
     return out;
@@ -121,6 +129,7 @@ void removeBaked(GltfWriter& writer) {
                 views.insert(entry["bufferView"].get<size_t>());
         json["asset"]["extras"]["apertura"].erase("forms");
     }
+    accessors.merge(removeFaces(json));
     writer.release(accessors, views);
 }
 
@@ -243,6 +252,8 @@ BakeInfo readInfo(const Json& said, const std::string& name) {
     info.hemisphere = text("hemisphere");
     info.tolerance = number("tolerance", 0);
     info.price = text("price");
+    info.at = text("at") == "faces" ? "faces" : "vertices";
+    info.unmetArea = number("unmetArea", 0);
     info.alone = text("alone");
     return info;
 }
@@ -307,6 +318,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     asset["generator"] = "Apertura " + info.version;
     if (asset.contains("extras") && !asset["extras"].is_object()) asset["extras"] = {{"input", asset["extras"]}};
     if (stored) description["forms"] = allParams;
+    if (Json faces = addFaces(writer, scene, visibility, stored, info.bits); !faces.is_null()) description["faces"] = std::move(faces);
     asset["extras"]["apertura"] = description;
     writer.release(replaced);
     writer.write(path, file.name());
@@ -349,7 +361,7 @@ Asset toAsset(Scene scene) {
             points[i] = unpack(glm::vec4(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]));
             points[i].direction = rotation * points[i].direction;
         }
-        asset.seen.push_back({std::move(points), {}});
+        asset.seen.push_back({std::move(points), {}, {}});
         SeenByInstance& seen = asset.seen.back();
         if (stored) {
             const auto stream = streams.find({mesh, size_t(instance.primitive)});
@@ -367,6 +379,7 @@ Asset toAsset(Scene scene) {
         if (!surface.splitFrom.empty()) seen = pick(seen, surface.splitFrom);
     }
     asset.scene = std::move(scene);
+    readFaces(asset, described);
     return asset;
 }
 
@@ -381,12 +394,24 @@ double bytesAPoint(const Asset& asset) {
     const Model* stored = storedModel(asset.info);
     double numbers = 0, points = 0;
     for (const SeenByInstance& seen : asset.seen) {
-        points += double(seen.visibility.size());
+        points += double(seen.visibility.size() + seen.faces.visibility.size());
         if (!stored) continue;
-        for (const ModelParams& params : seen.allParams) numbers += storedNumbers(chosenModel(*stored, params));
+        for (const auto* all : {&seen.allParams, &seen.faces.allParams})
+            for (const ModelParams& params : *all) numbers += storedNumbers(chosenModel(*stored, params));
     }
     const double choice = stored && stored->kind == ModelKind::Choice ? 1 : 0;
     return asset.info.bits / 2.0 + choice + numbers / std::max(points, 1.0) * asset.info.bits / 8;
+}
+
+size_t visibilityBytes(const Asset& asset) {
+    const Model* stored = storedModel(asset.info);
+    size_t out = bytesOfFaces(asset.scene, asset.seen, stored, asset.info.bits);
+    for (const SeenByInstance& seen : asset.seen) {
+        out += seen.visibility.size() * size_t(asset.info.bits / 2);
+        for (const ModelParams& params : seen.allParams)
+            out += size_t(storedNumbers(chosenModel(*stored, params)) * asset.info.bits / 8 + (stored->kind == ModelKind::Choice));
+    }
+    return out;
 }
 
 }  // namespace apertura

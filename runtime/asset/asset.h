@@ -23,12 +23,28 @@ struct BakeInfo {
     double maxDistance = 0;  // metres beyond which nothing blocks; 0: no limit
     double rayOffset = 0;    // the most metres that rays start above the surface
     std::string hemisphere = "vertex normal";
+    std::string at = "vertices";  // where visibility is stored: vertices, or faces too
+    double unmetArea = 0;         // faces: fraction of the area that errs more than was asked for
 };
 
-// Visibility of the vertices of one instance, with directions in world space.
+// Visibility on the faces of one instance, for triangles whose vertices do not suffice: lattices of samples (shaders/lattice.glsl), one
+// after another in the order of the triangles.
+struct SeenOnFaces {
+    std::vector<uint8_t> levels;  // of each triangle, 0..MAX_LATTICE_LEVEL: see latticeSteps; 0: its vertices suffice. Empty: all are 0
+    std::vector<uint32_t> first;  // of each triangle, where its lattice begins
+    std::vector<Visibility> visibility;  // one per sample
+    std::vector<ModelParams> allParams;  // one per sample if a model is stored beside visibility; else empty
+
+    int level(size_t triangle) const { return levels.empty() ? 0 : levels[triangle]; }
+    // Sets levels and first, and makes room for the samples.
+    void setLevels(std::vector<uint8_t> all, bool withParams);
+};
+
+// Visibility of one instance, with directions in world space.
 struct SeenByInstance {
     std::vector<Visibility> visibility;  // one per position
     std::vector<ModelParams> allParams;  // one per position if a model is stored beside visibility; else empty
+    SeenOnFaces faces;
 };
 using BakedVisibility = std::vector<SeenByInstance>;  // one per instance of the scene
 
@@ -41,8 +57,11 @@ struct Asset {
 // The model whose parameters the asset stores; nullptr if it stores the four numbers alone.
 const Model* storedModel(const BakeInfo& info);
 
-// Mean bytes per vertex: the four numbers and what is stored beside them.
+// Mean bytes per vertex, and per sample on a face: the four numbers and what is stored beside them.
 double bytesAPoint(const Asset& asset);
+
+// All bytes that visibility takes in the file before compression.
+size_t visibilityBytes(const Asset& asset);
 
 // Throws Error naming the scene if `info` holds text that is not UTF-8, which JSON cannot hold. Call it before a bake.
 void requireStorable(const BakeInfo& info, const std::string& name);

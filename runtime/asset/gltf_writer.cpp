@@ -132,6 +132,10 @@ size_t GltfWriter::addView(SharedBytes bytes, GltfTarget target, size_t stride) 
 
 size_t GltfWriter::addAccessor(Json members, Bytes bytes, GltfTarget target, size_t stride) {
     members["bufferView"] = addView(std::move(bytes), target, stride);
+    return addAccessor(std::move(members));
+}
+
+size_t GltfWriter::addAccessor(Json members) {
     if (freeAccessors_.empty()) {
         json_["accessors"].push_back(std::move(members));
         return json_["accessors"].size() - 1;

@@ -18,6 +18,7 @@ public:
     size_t addView(SharedBytes bytes, GltfTarget target = kNoTarget, size_t stride = 0);
     size_t addView(Bytes bytes, GltfTarget target = kNoTarget, size_t stride = 0);
     size_t addAccessor(Json members, Bytes bytes, GltfTarget target, size_t stride = 0);
+    size_t addAccessor(Json members);  // that says where its bytes are
 
     // Reports that a use of these accessors and views was removed from the JSON. Those that have no other use are given to
     // later addView and addAccessor calls, or are left out of the file.

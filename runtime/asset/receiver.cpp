@@ -1,5 +1,8 @@
 #include "runtime/asset/receiver.h"
 
+#include "runtime/asset/faces.h"
+#include "sh/shading.h"
+
 namespace apertura {
 
 WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instance, int triangle, const glm::vec3& barycentrics,
@@ -8,18 +11,30 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
     const Surface& surface = asset.scene.surfaces[size_t(placed.surface)];
     const SeenByInstance& seen = asset.seen[size_t(instance)];
     const glm::mat3 normals = normalMatrix(placed.toWorld);
-    const bool stored = storedModel(asset.info) == &model && !seen.allParams.empty();
+    const bool stored = storedModel(asset.info) == &model;
     Visibility visibility;
     ModelParams mix{};
     WeightedReceivers corners;
-    for (int c = 0; c < 3; ++c) {
-        const uint32_t v = surface.triangles[size_t(triangle)][size_t(c)];
-        const float w = barycentrics[c];
-        const ModelParams params = toParams(model, seen.visibility[v], stored ? &seen.allParams[v] : nullptr, normals * surface.normals[v]);
-        visibility.direction += w * seen.visibility[v].direction;
-        visibility.area += w * seen.visibility[v].area;
-        for (size_t k = 0; k < MAX_SLOTS; ++k) mix[k] += w * params[k];
-        corners.emplace_back(w, toReceiver(seen.visibility[v], params, normal));
+    const auto add = [&](float weight, const Visibility& own, const std::vector<ModelParams>& allParams, size_t at,
+                         const glm::vec3& facing) {
+        const ModelParams params = toParams(model, own, stored && !allParams.empty() ? &allParams[at] : nullptr, facing);
+        visibility.direction += weight * own.direction;
+        visibility.area += weight * own.area;
+        for (size_t k = 0; k < MAX_SLOTS; ++k) mix[k] += weight * params[k];
+        corners.emplace_back(weight, toReceiver(own, params, normal));
+    };
+    if (const int level = seen.faces.level(size_t(triangle)); level > 0) {
+        const LatticeCell cell = latticeCell(barycentrics, latticeSteps(level));
+        for (int c = 0; c < 3; ++c) {
+            const size_t at = seen.faces.first[size_t(triangle)] + size_t(cell.samples[c]);
+            add(cell.weights[c], seen.faces.visibility[at], seen.faces.allParams, at,
+                lookingNormal(asset.scene, instance, triangle, latticePoint(cell.samples[c], latticeSteps(level))));
+        }
+    } else {
+        for (int c = 0; c < 3; ++c) {
+            const uint32_t v = surface.triangles[size_t(triangle)][size_t(c)];
+            add(barycentrics[c], seen.visibility[v], seen.allParams, v, normals * surface.normals[v]);
+        }
     }
     if (!model.mixes) return corners;
     return {{1.0f, renormalised(model.id, toReceiver(visibility, mix, normal))}};

@@ -1,5 +1,6 @@
 #pragma once
-// Visibility at a point of a surface, interpolated from the vertices as shaders/scene.frag does for a pixel.
+// Visibility at a point of a surface, interpolated from the vertices, or from the samples of its face, as shaders/scene.frag does for a
+// pixel.
 #include <glm/glm.hpp>
 #include <utility>
 #include <vector>

@@ -111,8 +111,8 @@ std::vector<CompiledCost> compiledCosts(const Gpu& gpu, std::span<const CostCase
 std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const PixelCase> cases) {
     constexpr auto uniform = vk::DescriptorType::eUniformBufferDynamic, storage = vk::DescriptorType::eStorageBuffer;
     constexpr vk::ShaderStageFlags both = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
-    const GpuBindings::Binding lit[] = {
-        {uniform, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr}};
+    const GpuBindings::Binding lit[] = {{uniform, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr},
+                                        {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr}};
     const GpuBindings::Binding mapped[] = {{uniform, both, nullptr},
                                            {storage, both, nullptr},
                                            {storage, both, nullptr},
@@ -147,7 +147,7 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
             const int32_t constants[] = {c.model->id, 0, c.lightClass};
             out.push_back(compile({lit_vert, lit_frag, constants}, bindings));
         } else {
-            const int32_t constants[] = {c.model->id, c.lightClass, c.model->slots};
+            const int32_t constants[] = {c.model->id, c.lightClass, c.model->slots, c.onFaces};
             const Corners corners = c.model->mixes ? Corners::Mixed : Corners::One;
             out.push_back(times(compile({scene_vert, sceneFragment(corners, true), constants}, bindings), none, c.model->mixes ? 1 : 3));
         }

@@ -30,6 +30,7 @@ struct PixelCase {
     const Model* model;
     int lightClass;  // LIGHTS_...
     LightAt at = LightAt::Pixels;
+    bool onFaces = false;  // with samples on faces
 };
 std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const PixelCase> cases);
 

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "light.comp.h"
+#include "runtime/asset/faces.h"
 #include "runtime/render/draw.h"
 #include "runtime/render/scene_shaders.h"
 #include "runtime/render/shadow_map.h"
@@ -15,25 +16,72 @@ namespace {
 const std::string kTooManyLights = "a view has at most " + std::to_string(MAX_LIGHTS) + " lights";
 constexpr VkFormat kPictureFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
-std::vector<SceneVertex> toVertices(const Asset& asset, std::vector<uint32_t>& indices) {
-    std::vector<SceneVertex> out;
+glm::vec3 unitNormal(const glm::mat3& normals, const glm::vec3& normal) {
+    const glm::vec3 n = normals * normal;
+    const float length = glm::length(n);
+    return length > 0 ? n / length : glm::vec3(0, 1, 0);
+}
+
+// Calls use(visibility, params, normal) for each sample in the order of the shaders: all vertices, then all samples on faces. `params` is
+// null where the asset stores none, and normal() makes the normal about which the sample looks.
+void forSamples(const Asset& asset, const auto& use) {
     for (size_t i = 0; i < asset.scene.instances.size(); ++i) {
         const Instance& instance = asset.scene.instances[i];
-        const Surface& surface = asset.scene.surfaces[instance.surface];
+        const Surface& surface = asset.scene.surfaces[size_t(instance.surface)];
         const glm::mat3 normals = normalMatrix(instance.toWorld);
-        const auto first = uint32_t(out.size());
-        for (size_t v = 0; v < surface.positions.size(); ++v) {
-            const glm::vec3 n = normals * surface.normals[v];
-            const float length = glm::length(n);
-            const Visibility& seen = asset.seen[i].visibility[v];
-            out.push_back({instance.toWorld * glm::vec4(surface.positions[v], 1), vec4(length > 0 ? n / length : glm::vec3(0, 1, 0), 0),
-                           vec4(seen.direction, seen.area)});
-        }
-        for (const auto& t : surface.triangles)
-            for (uint32_t index : t) indices.push_back(first + index);
+        const SeenByInstance& seen = asset.seen[i];
+        for (size_t v = 0; v < surface.positions.size(); ++v)
+            use(seen.visibility[v], seen.allParams.empty() ? nullptr : &seen.allParams[v],
+                [&] { return unitNormal(normals, surface.normals[v]); });
     }
-    return out;
+    for (size_t i = 0; i < asset.scene.instances.size(); ++i) {
+        const SeenOnFaces& faces = asset.seen[i].faces;
+        for (size_t t = 0; t < faces.levels.size(); ++t) {
+            const int steps = latticeSteps(std::max(faces.level(t), 1));
+            for (int k = 0; faces.level(t) > 0 && k < latticeSize(steps); ++k) {
+                const size_t at = faces.first[t] + size_t(k);
+                use(faces.visibility[at], faces.allParams.empty() ? nullptr : &faces.allParams[at],
+                    [&] { return lookingNormal(asset.scene, int(i), int(t), latticePoint(k, steps)); });
+            }
+        }
+    }
 }
+
+// What is drawn, as the shaders read it.
+struct Geometry {
+    std::vector<SceneVertex> vertices;
+    std::vector<uint32_t> indices;
+    std::vector<vec4> seen;
+    uint32_t corners = 0;  // of all triangles; behind them in the indices stand the faces, if there are samples on any
+    bool onFaces = false;
+
+    explicit Geometry(const Asset& asset) {
+        for (size_t i = 0; i < asset.scene.instances.size(); ++i) {
+            const Instance& instance = asset.scene.instances[i];
+            const Surface& surface = asset.scene.surfaces[size_t(instance.surface)];
+            const glm::mat3 normals = normalMatrix(instance.toWorld);
+            const auto first = uint32_t(vertices.size());
+            for (size_t v = 0; v < surface.positions.size(); ++v)
+                vertices.push_back(
+                    {instance.toWorld * glm::vec4(surface.positions[v], 1), vec4(unitNormal(normals, surface.normals[v]), 0)});
+            for (const auto& t : surface.triangles)
+                for (const uint32_t index : t) indices.push_back(first + index);
+            onFaces |= !asset.seen[i].faces.visibility.empty();
+        }
+        corners = uint32_t(indices.size());
+        forSamples(asset, [&](const Visibility& v, const ModelParams*, const auto&) { seen.emplace_back(v.direction, v.area); });
+        if (!onFaces) return;
+        if (seen.size() >= size_t(1) << 28) throw Error(asset.scene.name + ": has too many samples on faces to be drawn");
+        auto first = uint32_t(vertices.size());
+        for (size_t i = 0; i < asset.scene.instances.size(); ++i) {
+            const SeenOnFaces& faces = asset.seen[i].faces;
+            const size_t triangles = asset.scene.surfaces[size_t(asset.scene.instances[i].surface)].triangles.size();
+            for (size_t t = 0; t < triangles; ++t)
+                indices.push_back(faces.level(t) ? (first + faces.first[t]) << 4 | uint32_t(faces.level(t)) : 0);
+            first += uint32_t(faces.visibility.size());
+        }
+    }
+};
 
 GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const Model& model) {
     const bool stored = storedModel(asset.info) == &model;
@@ -41,19 +89,11 @@ GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const Model& model) {
         throw Error(asset.scene.name + ": was baked with --model " + asset.info.model + " and does not hold " + std::string(model.name)
                     + "; bake it with --model " + std::string(model.name));
     std::vector<vec4> slots;
-    for (size_t i = 0; i < asset.scene.instances.size() && model.slots > 0; ++i) {
-        const Instance& instance = asset.scene.instances[i];
-        const Surface& surface = asset.scene.surfaces[instance.surface];
-        const glm::mat3 normals = normalMatrix(instance.toWorld);
-        const SeenByInstance& seen = asset.seen[i];
-        for (size_t v = 0; v < surface.positions.size(); ++v) {
-            const glm::vec3 n = normals * surface.normals[v];
-            const float length = glm::length(n);
-            const ModelParams params = toParams(model, seen.visibility[v], stored && !seen.allParams.empty() ? &seen.allParams[v] : nullptr,
-                                                length > 0 ? n / length : glm::vec3(0, 1, 0));
+    if (model.slots > 0)
+        forSamples(asset, [&](const Visibility& visibility, const ModelParams* own, const auto& normal) {
+            const ModelParams params = toParams(model, visibility, stored ? own : nullptr, normal());
             slots.insert(slots.end(), params.begin(), params.begin() + model.slots);
-        }
-    }
+        });
     if (slots.empty()) slots.emplace_back(0);  // Vulkan allows no empty buffer
     if (slots.size() * sizeof(vec4) > gpu.largestBuffer())
         throw Error(asset.scene.name + ": the parameters of " + std::string(model.name) + " are too large for " + gpu.name());
@@ -89,15 +129,17 @@ struct Renderer::Parts {
         GpuBindings bindings;
     };
 
-    Parts(const Gpu& gpu_, const Asset& asset_, int frames_, const std::vector<SceneVertex>& corners, const std::vector<uint32_t>& order)
+    Parts(const Gpu& gpu_, const Asset& asset_, int frames_, const Geometry& geometry)
         : gpu(gpu_),
           asset(asset_),
           box(worldBounds(asset_.scene)),
           frames(frames_),
-          indexCount(uint32_t(order.size())),
-          vertexCount(uint32_t(corners.size())),
-          vertices(uploadGeometry(gpu_, asset_, corners)),
-          indices(uploadGeometry(gpu_, asset_, order, vk::BufferUsageFlagBits::eIndexBuffer)),
+          indexCount(geometry.corners),
+          vertexCount(uint32_t(geometry.vertices.size())),
+          onFaces(geometry.onFaces),
+          vertices(uploadGeometry(gpu_, asset_, geometry.vertices)),
+          indices(uploadGeometry(gpu_, asset_, geometry.indices, vk::BufferUsageFlagBits::eIndexBuffer)),
+          seen(uploadGeometry(gpu_, asset_, geometry.seen)),
           noVertices(gpu_, 0, vk::BufferUsageFlagBits::eStorageBuffer, GpuBuffer::Place::Device),
           lit(gpu_, frames_ + 1) {}
 
@@ -112,7 +154,8 @@ struct Renderer::Parts {
     Box box;
     int frames;  // of the caller; `draw` uses one more, number `frames`
     uint32_t indexCount, vertexCount;
-    GpuBuffer vertices, indices, noVertices;
+    bool onFaces;
+    GpuBuffer vertices, indices, seen, noVertices;
     PerFrame<Frame> lit;
     std::optional<ShadowMap> shadow;
     std::map<int, GpuBuffer> allParams;                                           // by model
@@ -128,9 +171,7 @@ int lightClassOf(const View& view) {
 }
 
 Renderer::Renderer(const Gpu& gpu, const Asset& asset, int frames) {
-    std::vector<uint32_t> indices;
-    const std::vector<SceneVertex> vertices = toVertices(asset, indices);
-    parts_ = std::make_unique<Parts>(gpu, asset, frames, vertices, indices);
+    parts_ = std::make_unique<Parts>(gpu, asset, frames, Geometry(asset));
 }
 
 Renderer::~Renderer() = default;
@@ -156,7 +197,8 @@ const Renderer::Parts::ModelBuffers& Renderer::Parts::buffersOf(const Model& mod
                                           {storage, vertex | shading, &vertices},
                                           {storage, vertex, &indices},
                                           {storage, shading, &params},
-                                          {storage, vertex | shading, litVertices ? &*litVertices : &noVertices}};
+                                          {storage, vertex | shading, litVertices ? &*litVertices : &noVertices},
+                                          {storage, vertex | shading, &seen}};
     GpuBindings bindings(gpu, slots);
     return buffers.emplace(std::pair(model.id, litFloats), ModelBuffers{litFloats, std::move(litVertices), std::move(bindings)})
         .first->second;
@@ -173,12 +215,13 @@ void Renderer::Parts::light(int frame, const View& view, VkExtent2D size, int li
     out.counts.x = int(view.lights.size());
     out.counts.y = int(VkDeviceSize(frame) * litFloatsAFrame(litFloats));
     out.counts.z = litFloats;
+    out.counts.w = onFaces ? int(indexCount) : 0;
     std::copy(view.lights.begin(), view.lights.end(), out.lights);
     lit.set(frame, out);
 }
 
 LightAt Renderer::betterLightAt(const Model& model, double pixels) const {
-    return !model.mixes && double(parts_->vertexCount) < 3 * pixels ? LightAt::Vertices : LightAt::Pixels;
+    return !model.mixes && !parts_->onFaces && double(parts_->vertexCount) < 3 * pixels ? LightAt::Vertices : LightAt::Pixels;
 }
 
 void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights) {
@@ -187,7 +230,8 @@ void Renderer::prepare(const Model& model, int lightClass, VkFormat format, Ligh
     const bool atVertices = at == LightAt::Vertices;
     const GpuBindings& bindings = p.buffersOf(model, atVertices ? litFloats(mostLights) : 0).bindings;
     const int variant = variantOf(at, mostLights);
-    const int32_t atPixels[] = {model.id, lightClass, model.slots}, interpolated[] = {model.id, moreThanOne(mostLights), lightClass};
+    const int32_t atPixels[] = {model.id, lightClass, model.slots, p.onFaces},
+                  interpolated[] = {model.id, moreThanOne(mostLights), lightClass};
     if (const std::tuple key(model.id, lightClass, format, variant); !p.pipelines.contains(key))
         p.pipelines.emplace(
             key, makePipeline(p.gpu,

@@ -16,7 +16,7 @@ int lightClassOf(const View& view);
 
 // Where light is evaluated. Vertices: once a vertex and frame, in a compute pass, which costs less wherever fewer vertices than pixels are
 // drawn. For models that do not mix the picture is the same under suns and other lights of up to 3 degrees; under larger ones and lamps,
-// which a vertex sees a little differently from its pixels, nearly so (tests/light_at_test.cpp).
+// which a vertex sees a little differently from its pixels, nearly so (tests/light_at_test.cpp). Samples on faces are read at pixels alone.
 enum class LightAt { Pixels, Vertices };
 
 // Everything but `record` and `recordShadowMapped` uses the device's queue and changes what is prepared: no other thread may record or
@@ -29,7 +29,8 @@ public:
     Renderer(const Gpu& gpu, const Asset& asset, int frames = 2);
     ~Renderer();
 
-    // The better of the two: vertices, where the model does not mix and there are fewer of them than corners of so many pixels. `draw`
+    // The better of the two: vertices, where the model does not mix, no face has samples of its own, and there are fewer
+    // vertices than corners of so many pixels. `draw`
     // shades four pixels for one of the picture.
     LightAt betterLightAt(const Model& model, double pixels) const;
 

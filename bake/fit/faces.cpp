@@ -1,0 +1,500 @@
+#include "bake/fit/faces.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "bake/fit/face_unknowns.h"
+#include "bake/sampling/directions.h"
+#include "runtime/asset/faces.h"
+
+namespace apertura {
+namespace {
+
+constexpr double kNoArea = 1e-10;        // a triangle has no area up to this ratio of its area to its squared longest edge
+constexpr float kVertexWeight = 1;       // of what a vertex itself sees, beside a probe
+constexpr float kTie = 0.03f;            // how strongly neighbouring samples are drawn together, where a probe's weight is 1
+constexpr double kSkyTolerance = 0.014;  // RMSE of the sky's E, over pi, that storing may add
+constexpr int kJudgeLights = 24;         // over the hemisphere, of kJudgeRadius degrees
+constexpr double kJudgeRadius = 5;
+constexpr double kFirstGain = 0.5;  // the fraction of its squared error that a triangle is thought to lose by its first refinement
+constexpr double kBulk = 0.2;       // the part of the squared error that one round of refinement aims to remove
+constexpr double kDearest = 0.7;    // how much may be paid for it at most, as a fraction of the bytes that are spent already
+constexpr double kLittle = 131072;  // bytes that are always worth it
+constexpr int kMostRounds = 60;
+constexpr float kInside = 0.05f;  // how far a sample with no probes about it looks from inside its triangle, of the way to its middle
+
+// Probes that a lattice is fitted to: about three times as many as it has samples of its own; and witnesses that judge it.
+size_t probesFor(int level) {
+    const int steps = latticeSteps(level);
+    return size_t(1.5 * (steps + 1) * (steps + 2));
+}
+size_t witnessesFor(int level) { return std::max(size_t(8), size_t(latticeSteps(level)) * size_t(latticeSteps(level)) / 2); }
+
+int samplesOn(int level) { return level ? latticeSize(latticeSteps(level)) : 0; }
+
+struct Face {
+    uint32_t instance, triangle;
+    double area;  // m2
+    bool leans;   // see leansFrom
+    int level = 0;
+    std::vector<Probe> probes, witnesses;
+    double error = 0;          // mean square, by the witnesses that are not buried
+    double gain = kFirstGain;  // of its squared error, what a refinement is thought to take away
+    double open = 1;           // the fraction of its probes that are not buried
+};
+
+// The squared error, at a witness, of the light through the `soft` aperture between samples and of the sky's: nearly unbiased, since the
+// witness's halves have noises of their own.
+class Judge {
+public:
+    Judge() : lights_(fibonacciHemisphere(kJudgeLights)) {}
+    // In units of the squared error of a light; `skyWeight`: how many of them a unit of the sky's squared error is.
+    double squaredError(const Probe& witness, const Receiver& fitted, const glm::vec3& normal, double spin, double skyWeight) const {
+        const glm::mat3 frame = frameFromZ(normal, spin);
+        const Receiver a = receiver(witness.halves[0], normal), b = receiver(witness.halves[1], normal),
+                       both = receiver(witness.mean(), normal);
+        double sum = 0;
+        for (const glm::vec3& l : lights_) {
+            const CapLight light = capLight(frame * l, float(std::sin(kJudgeRadius * std::numbers::pi / 180)));
+            // Few rays make the aperture of a small opening sharper than it is, and twice as many half as much too sharp: each half is
+            // replaced by what it would add to the light if light were linear in visibility.
+            const double e = value(fitted, light), whole = 2 * value(both, light);
+            sum += (whole - value(b, light) - e) * (whole - value(a, light) - e);
+        }
+        const auto sky = [&](const Receiver& r) { return std::max(glm::dot(glm::vec3(r.visibility), normal), 0.0f) / std::numbers::pi; };
+        return sum / kJudgeLights + skyWeight * (sky(a) - sky(fitted)) * (sky(b) - sky(fitted));
+    }
+
+private:
+    static Receiver receiver(const Visibility& v, const glm::vec3& normal) {
+        return toReceiver(models()[MODEL_SOFT], clampToPossible(v), normal);
+    }
+    static double value(const Receiver& r, const CapLight& light) {
+        return irradianceThrough(MODEL_SOFT, r, light, LIGHTS_MEDIUM) / light.area;
+    }
+    std::vector<glm::vec3> lights_;
+};
+
+std::array<Term, 3> termsOf(const LatticeCell& cell) {
+    std::array<Term, 3> out;
+    for (int c = 0; c < 3; ++c) out[size_t(c)] = {uint32_t(cell.samples[c]), cell.weights[c]};
+    return out;
+}
+
+// Calls tie(a, b) for the neighbours in a lattice.
+void forNeighbours(int steps, const auto& tie) {
+    for (int j = 0; j <= steps; ++j)
+        for (int i = 0; i <= steps - j; ++i) {
+            const int at = latticeRow(j, steps) + i;
+            if (i < steps - j) tie(at, at + 1), tie(at, latticeRow(j + 1, steps) + i);
+            if (i > 0 && j < steps) tie(at, latticeRow(j + 1, steps) + i - 1);
+        }
+}
+
+Unknowns unknownsOf(const Scene& scene, size_t instance, std::span<const Face> faces) {
+    const size_t triangles = scene.surfaces[size_t(scene.instances[instance].surface)].triangles.size();
+    std::vector<uint8_t> levels(triangles, 0);
+    std::vector<bool> leans(triangles, false);
+    for (const Face& face : faces) levels[face.triangle] = uint8_t(face.level), leans[face.triangle] = face.leans;
+    return {scene, instance, std::move(levels), std::move(leans)};
+}
+
+// `seen`: what the vertices see, each a value more.
+LeastSquares equationsOf(const Unknowns& unknowns, std::span<const Face> faces, std::span<const Visibility> seen) {
+    LeastSquares out(unknowns.count());
+    for (size_t v = 0; v < seen.size(); ++v) out.add(std::array{Term(unknowns.vertex(v), 1.0f)}, seen[v], kVertexWeight);
+    for (const Face& face : faces) {
+        if (face.level == 0 && face.leans) continue;  // its vertices look elsewhere
+        for (const Probe& probe : face.probes)
+            if (!probe.buried) out.add(unknowns.point(face.triangle, probe.weights), probe.mean());
+        const auto tie = [&](int a, int b) {
+            const auto from = unknowns.sample(face.triangle, a), to = unknowns.sample(face.triangle, b);
+            if (from.size() == 1 && to.size() == 1 && from[0].first != to[0].first) out.tie(from[0].first, to[0].first, kTie);
+        };
+        if (face.level == 0)
+            tie(0, 1), tie(1, 2), tie(2, 0);
+        else
+            forNeighbours(latticeSteps(face.level), tie);
+    }
+    return out;
+}
+
+}  // namespace
+
+struct Faces::Impl {
+    const Scene& scene;
+    const Prober& prober;
+    const BakedVisibility& vertices;
+    uint32_t seed;
+    std::vector<Face> faces;        // by instance and triangle; those without area are left out
+    std::vector<size_t> firstFace;  // of each instance, and the end
+    FaceReport report;
+    Judge judge;
+    double skyWeight = 1;
+
+    std::span<const Face> facesOf(size_t instance) const {
+        return std::span(faces).subspan(firstFace[instance], firstFace[instance + 1] - firstFace[instance]);
+    }
+
+    // The mean squared error at a face's witnesses of what the renderer makes of `samples`, those of its lattice or its three corners.
+    double errorOf(const Face& face, std::span<const Visibility> samples) const {
+        const Model& soft = models()[MODEL_SOFT];
+        const Instance& placed = scene.instances[face.instance];
+        const Surface& surface = scene.surfaces[size_t(placed.surface)];
+        const auto& corners = surface.triangles[face.triangle];
+        std::vector<ModelParams> params;
+        for (size_t i = 0; i < samples.size(); ++i) {
+            const glm::vec3 normal = face.level ? lookingNormal(scene, int(face.instance), int(face.triangle),
+                                                                latticePoint(int(i), latticeSteps(face.level)))
+                                                : normalMatrix(placed.toWorld) * surface.normals[corners[i]];
+            params.push_back(toParams(soft, samples[i], nullptr, normal));
+        }
+        double sum = 0, count = 0;
+        for (size_t k = 0; k < face.witnesses.size(); ++k) {
+            const Probe& witness = face.witnesses[k];
+            if (witness.buried) continue;
+            const LatticeCell cell = face.level ? latticeCell(witness.weights, latticeSteps(face.level))
+                                                : LatticeCell{{0, 1, 2}, witness.weights};
+            Visibility visibility{glm::vec3(0), 0};
+            ModelParams mix{};
+            for (int c = 0; c < 3; ++c) {
+                const auto at = size_t(cell.samples[c]);
+                visibility.direction += cell.weights[c] * samples[at].direction, visibility.area += cell.weights[c] * samples[at].area;
+                mix[0] += cell.weights[c] * params[at][0];
+            }
+            const glm::vec3 normal = prober.pointAt(face.instance, face.triangle, witness.weights).normal;
+            sum += judge.squaredError(witness, renormalised(MODEL_SOFT, toReceiver(visibility, mix, normal)), normal,
+                                      2 * std::numbers::pi * hashUnit(seed, face.triangle, 17 + k), skyWeight);
+            ++count;
+        }
+        return count > 0 ? sum / count : 0;
+    }
+
+    void addProbes(Face& face, size_t probes, size_t witnesses) const {
+        face.probes.reserve(probes), face.witnesses.reserve(witnesses);
+        while (face.probes.size() < probes) face.probes.push_back(prober.probe(face.instance, face.triangle, face.probes.size()));
+        while (face.witnesses.size() < witnesses)
+            face.witnesses.push_back(prober.witness(face.instance, face.triangle, face.witnesses.size()));
+        double seen = 0;
+        for (const auto* points : {&face.probes, &face.witnesses})
+            for (const Probe& p : *points) seen += !p.buried;
+        face.open = seen / double(face.probes.size() + face.witnesses.size());
+    }
+
+    // The error that a face has if its lattice is fitted alone.
+    double ownError(const Face& face) const {
+        const int steps = latticeSteps(face.level);
+        LeastSquares equations(size_t(latticeSize(steps)));
+        for (const Probe& probe : face.probes)
+            if (!probe.buried) equations.add(termsOf(latticeCell(probe.weights, steps)), probe.mean());
+        forNeighbours(steps, [&](int a, int b) { equations.tie(uint32_t(a), uint32_t(b), kTie); });
+        return errorOf(face, equations.solve());
+    }
+
+    // Calls use(face, samples) for each face of an instance, all fitted together.
+    void fitTogether(size_t instance, const auto& use, const auto& useVertices) const {
+        const Unknowns unknowns = unknownsOf(scene, instance, facesOf(instance));
+        const std::vector<Visibility> values = equationsOf(unknowns, facesOf(instance), vertices[instance].visibility).solve();
+        tbb::parallel_for(firstFace[instance], firstFace[instance + 1], [&](size_t f) {
+            const Face& face = faces[f];
+            std::vector<Visibility> samples;
+            for (int i = 0; i < (face.level ? samplesOn(face.level) : 3); ++i)
+                samples.push_back(sumOf(unknowns.sample(face.triangle, i), values));
+            use(f, samples);
+        });
+        useVertices(unknowns, values);
+    }
+
+    // The errors of faces as they stand.
+    void measure() {
+        tbb::parallel_for(size_t(0), scene.instances.size(), [&](size_t i) {
+            fitTogether(
+                i, [&](size_t f, std::span<const Visibility> samples) { faces[f].error = errorOf(faces[f], samples); },
+                [](const Unknowns&, const std::vector<Visibility>&) {});
+        });
+        shareErrors();
+    }
+
+    // Faces without a witness are thought to err as those of their level that have one.
+    void shareErrors() {
+        double sum[2]{}, area[2]{};
+        const auto blind = [](const Face& face) {
+            return std::none_of(face.witnesses.begin(), face.witnesses.end(), [](const Probe& p) { return !p.buried; });
+        };
+        for (const Face& face : faces)
+            if (face.level <= 1 && !blind(face)) sum[face.level] += face.error * face.area, area[face.level] += face.area;
+        for (Face& face : faces)
+            if (face.level <= 1 && blind(face)) face.error = area[face.level] > 0 ? sum[face.level] / area[face.level] : 0;
+    }
+};
+
+Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& vertices, uint32_t seed, const Progress& progress)
+    : impl_(new Impl{scene, prober, vertices, seed, {}, {}, {}, {}}) {
+    Impl& impl = *impl_;
+    double total = 0;
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        impl.firstFace.push_back(impl.faces.size());
+        const size_t triangles = scene.surfaces[size_t(scene.instances[i].surface)].triangles.size();
+        for (size_t t = 0; t < triangles; ++t) {
+            const std::array<glm::dvec3, 3> c = cornersOf(scene, int(i), int(t));
+            const double area = 0.5 * glm::length(glm::cross(c[1] - c[0], c[2] - c[0]));
+            const double longest = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
+            if (!(area > kNoArea * longest * longest)) continue;
+            impl.faces.push_back({uint32_t(i), uint32_t(t), area, leansFrom(scene, int(i), int(t))});
+            total += area;
+        }
+    }
+    impl.firstFace.push_back(impl.faces.size());
+    const double mean = total / double(std::max<size_t>(impl.faces.size(), 1));
+    // Of small faces as many have a witness as there are rays for beside those of the vertices.
+    double allVertices = 0;
+    for (const SeenByInstance& seen : vertices) allVertices += double(seen.visibility.size());
+    const double witnessed = 0.8 * allVertices / double(std::max<size_t>(impl.faces.size(), 1));
+    ProgressCounter counter(progress, impl.faces.size());
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, impl.faces.size(), 64), [&](const tbb::blocked_range<size_t>& range) {
+        if (counter.stopped()) return;
+        for (size_t f = range.begin(); f < range.end(); ++f) {
+            Face& face = impl.faces[f];
+            const double size = std::sqrt(face.area / mean);
+            const bool isSmall = size < 1.5 && hashUnit(seed, f, 23) > std::max(size - 0.5, witnessed);
+            impl.addProbes(face, size_t(std::clamp(std::ceil(1.5 * size), 1.0, 24.0)),
+                           isSmall ? 0 : size_t(std::clamp(size < 1.5 ? 1 : 2 * size, 1.0, 24.0)));
+            // What its vertices see is of another hemisphere than its own.
+            if (face.leans && face.open > 0) {
+                face.level = 1;
+                impl.addProbes(face, probesFor(1), 0);
+            }
+        }
+        counter.add(range.size());
+    });
+    counter.throwIfStopped();
+}
+
+Faces::~Faces() = default;
+
+bool Faces::empty() const { return impl_->faces.empty(); }
+
+const FaceReport& Faces::report() const { return impl_->report; }
+
+void Faces::refine(const FaceOptions& options, const Progress& progress) {
+    Impl& impl = *impl_;
+    impl.skyWeight = options.tolerance * options.tolerance / (kSkyTolerance * kSkyTolerance);
+    impl.measure();
+    double area = 0, whole = 0, bytes = options.bytesElsewhere;
+    for (const Face& face : impl.faces) area += face.area * face.open, whole += face.area;
+    const double allowed = options.tolerance * options.tolerance * area;
+    for (const Face& face : impl.faces) bytes += options.bytesASample * samplesOn(face.level);
+    bool full = false;
+    // Faces are refined each by itself, and then judged again as they are when all are fitted together.
+    for (int round = 0, since = 0; round < kMostRounds; ++round, ++since) {
+        if (progress && !progress(double(round) / kMostRounds)) throw Cancelled{};
+        double error = 0;
+        for (const Face& face : impl.faces) error += face.area * face.open * face.error;
+        if (error <= allowed) {
+            if (since == 0) break;
+            impl.measure();
+            since = -1;
+            continue;
+        }
+        struct Step {
+            double worth;
+            size_t face;
+            double gain, cost;
+        };
+        std::vector<Step> steps;
+        for (size_t f = 0; f < impl.faces.size(); ++f) {
+            const Face& face = impl.faces[f];
+            if (face.level == MAX_LATTICE_LEVEL || face.error <= 0) continue;
+            const double gain = face.gain * face.error * face.area * face.open;
+            const double cost = options.bytesASample * (samplesOn(face.level + 1) - samplesOn(face.level));
+            steps.push_back({gain / cost, f, gain, cost});
+        }
+        std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.worth > b.worth; });
+        // A part of the error at a time, so that what is refined further in vain, or need not be, shows before more is spent.
+        std::vector<size_t> chosen;
+        const double spent = bytes;
+        double fine = 0;  // bytes of fine lattices
+        const double enough = std::max(allowed, (1 - kBulk) * error);
+        for (const Step& step : steps) {
+            if (error <= enough) break;
+            if (options.maxBytes > 0 && bytes + step.cost > options.maxBytes) {
+                full = true;
+                continue;
+            }
+            bytes += step.cost;
+            if (impl.faces[step.face].level > 2) fine += step.cost;
+            if (fine > kDearest * std::max(spent, kLittle)) break;
+            error -= step.gain;
+            chosen.push_back(step.face);
+        }
+        if (chosen.empty()) break;
+        // Where so many bytes more remove no more than that, the rest of the error is not one of too few samples.
+        if (fine > kDearest * std::max(spent, kLittle)) {
+            full = true;
+            break;
+        }
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, chosen.size(), 1), [&](const tbb::blocked_range<size_t>& range) {
+            for (size_t c = range.begin(); c < range.end(); ++c) {
+                Face& face = impl.faces[chosen[c]];
+                ++face.level;
+                impl.addProbes(face, probesFor(face.level), witnessesFor(face.level));
+                const double before = face.error;
+                face.error = impl.ownError(face);
+                // The first lattices are too coarse to tell what finer ones will do.
+                face.gain = std::clamp(1 - face.error / before, face.level <= 2 ? 0.3 : 0.05, 0.75);
+            }
+        });
+    }
+    impl.measure();
+    FaceReport& report = impl.report;
+    report = {};
+    report.tolerance = options.tolerance;
+    report.rays = impl.prober.rays();
+    for (const Face& face : impl.faces) {
+        report.error += face.area * face.open * face.error;
+        if (face.error > options.tolerance * options.tolerance && (full || face.level == MAX_LATTICE_LEVEL))
+            report.unmet += face.area * face.open;
+        ++report.triangles[size_t(face.level)];
+        report.samples += size_t(samplesOn(face.level));
+    }
+    report.error = std::sqrt(std::max(report.error, 0.0) / std::max(area, 1e-300));
+    report.unmet /= std::max(area, 1e-300);
+    report.buried = 1 - area / std::max(whole, 1e-300);
+}
+
+BakedVisibility Faces::fit() const {
+    const Impl& impl = *impl_;
+    BakedVisibility out(impl.scene.instances.size());
+    tbb::parallel_for(size_t(0), out.size(), [&](size_t i) {
+        const Surface& surface = impl.scene.surfaces[size_t(impl.scene.instances[i].surface)];
+        std::vector<uint8_t> levels(surface.triangles.size(), 0);
+        bool any = false;
+        for (const Face& face : impl.facesOf(i)) levels[face.triangle] = uint8_t(face.level), any |= face.level > 0;
+        SeenOnFaces& faces = out[i].faces;
+        if (any) faces.setLevels(std::move(levels), false);
+        impl.fitTogether(
+            i,
+            [&](size_t f, std::span<const Visibility> samples) {
+                const Face& face = impl.faces[f];
+                if (face.level) std::copy(samples.begin(), samples.end(), faces.visibility.begin() + faces.first[face.triangle]);
+            },
+            [&](const Unknowns& unknowns, const std::vector<Visibility>& values) {
+                for (size_t v = 0; v < surface.positions.size(); ++v) out[i].visibility.push_back(values[unknowns.vertex(v)]);
+            });
+    });
+    return out;
+}
+
+namespace {
+
+// A point of a face that a sample's rays start from, and its share of them.
+struct Origin {
+    uint32_t face, probe;
+    float weight;
+};
+
+// A sample that is baked once, though several faces may have it.
+struct Site {
+    uint32_t face;
+    int sample;
+    std::vector<Origin> origins;
+};
+
+// The samples of an instance's faces, and where each face's samples are among them.
+struct Sites {
+    std::vector<Site> all;
+    std::vector<uint32_t> ofSample;  // as SeenOnFaces::visibility
+
+    Sites(const Unknowns& unknowns, std::span<const Face> faces, const SeenOnFaces& seen) : ofSample(seen.visibility.size()) {
+        std::unordered_map<uint32_t, uint32_t> byUnknown;
+        for (uint32_t f = 0; f < faces.size(); ++f) {
+            const Face& face = faces[f];
+            const uint32_t first = face.level ? seen.first[face.triangle] : 0;
+            for (int i = 0; i < samplesOn(face.level); ++i) {
+                const std::vector<Term> terms = unknowns.sample(face.triangle, i);
+                auto site = uint32_t(all.size());
+                if (terms.size() == 1) site = byUnknown.try_emplace(terms[0].first, site).first->second;
+                if (site == all.size()) all.push_back({f, i, {}});
+                ofSample[first + uint32_t(i)] = site;
+            }
+            for (uint32_t p = 0; face.level && p < face.probes.size(); ++p) {
+                if (face.probes[p].buried) continue;
+                const LatticeCell cell = latticeCell(face.probes[p].weights, latticeSteps(face.level));
+                for (int c = 0; c < 3; ++c)
+                    if (cell.weights[c] > 0) all[ofSample[first + uint32_t(cell.samples[c])]].origins.push_back({f, p, cell.weights[c]});
+            }
+        }
+    }
+};
+
+}  // namespace
+
+void Faces::bakeSamples(BakedVisibility& out, const OcclusionSource& source, const BakeOptions& options, const Progress& progress) const {
+    const Impl& impl = *impl_;
+    const Recipe& recipe = recipeNamed(options.recipe);
+    const FitTools tools(options.rays, useOf(recipe));
+    const FitOptions fitOptions{options.tolerance, options.lambda, options.price, impl.scene.isTerrain};
+    const std::span<const glm::vec3> directions = tools.lattice.directions();
+    ProgressCounter counter(progress, std::max<size_t>(impl.report.samples, 1));
+    for (size_t i = 0; i < out.size(); ++i) {
+        SeenOnFaces& seen = out[i].faces;
+        if (seen.visibility.empty()) continue;
+        const std::span<const Face> faces = impl.facesOf(i);
+        const Sites sites(unknownsOf(impl.scene, i, faces), faces, seen);
+        std::vector<BakedPoint> baked(sites.all.size());
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, baked.size(), 8), [&](const tbb::blocked_range<size_t>& range) {
+            std::vector<uint8_t> blocked(directions.size()), some(directions.size());
+            for (size_t s = range.begin(); s < range.end() && !counter.stopped(); ++s) {
+                const Site& site = sites.all[s];
+                const Face& face = faces[site.face];
+                const glm::vec3 weights = latticePoint(site.sample, latticeSteps(face.level));
+                const SurfacePoint point = impl.prober.pointAt(face.instance, face.triangle,
+                                                               glm::mix(weights, glm::vec3(1 / 3.0f), kInside));
+                const double start = hashUnit(options.seed, i << 40 | s, 3);
+                const glm::mat3 frame = frameFromZ(point.normal, 2 * std::numbers::pi * start);
+                double all = 0;
+                for (const Origin& origin : site.origins) all += origin.weight;
+                // Each origin gets its share of directions that spread over the whole hemisphere.
+                std::vector<std::vector<size_t>> shares(std::max<size_t>(site.origins.size(), 1));
+                for (size_t k = 0; k < directions.size(); ++k) {
+                    double left = std::fmod(start + 0.6180339887498949 * double(k), 1.0) * all;
+                    size_t o = 0;
+                    while (o + 1 < site.origins.size() && left >= site.origins[o].weight) left -= site.origins[o++].weight;
+                    shares[o].push_back(k);
+                }
+                std::vector<glm::vec3> turned;
+                for (size_t o = 0; o < shares.size(); ++o) {
+                    if (shares[o].empty()) continue;
+                    turned.clear();
+                    for (const size_t k : shares[o]) turned.push_back(frame * directions[k]);
+                    SurfacePoint from = point;
+                    if (!site.origins.empty()) {
+                        const Face& other = faces[site.origins[o].face];
+                        from = impl.prober.pointAt(other.instance, other.triangle, other.probes[site.origins[o].probe].weights);
+                    }
+                    source.occluded(from, turned, some.data());
+                    for (size_t n = 0; n < turned.size(); ++n) blocked[shares[o][n]] = some[n];
+                }
+                Samples samples(tools.lattice, blocked);
+                samples.source = &source;
+                samples.point = &point;
+                baked[s] = makePoint(recipe, tools, samples, frame, fitOptions);
+                counter.add(1);
+            }
+        });
+        counter.throwIfStopped();
+        if (recipe.model >= 0) seen.allParams.resize(seen.visibility.size());
+        for (size_t n = 0; n < seen.visibility.size(); ++n) {
+            const BakedPoint& b = baked[sites.ofSample[n]];
+            // A stored model leaves the four numbers as they are; those of `auto` belong to its choice.
+            if (recipe.model < 0 || recipe.model == MODEL_AUTO) seen.visibility[n] = b.visibility;
+            if (recipe.model >= 0) seen.allParams[n] = b.params;
+        }
+        impl_->report.rays += baked.size() * directions.size();
+    }
+}
+
+}  // namespace apertura

@@ -1,0 +1,55 @@
+#pragma once
+// Where visibility is stored: at vertices, and on the faces that they do not suffice for as finely as each one needs.
+#include <array>
+
+#include "bake/fit/bake.h"
+#include "bake/sampling/probes.h"
+
+namespace apertura {
+
+struct FaceOptions {
+    double tolerance = 0;  // RMSE of E / (L pi sin^2 r), a light of 5 degrees, by which interpolation may differ from what the model has at
+                           // the point itself
+    double maxBytes = 0;   // of all visibility; 0: no limit
+    double bytesASample = 4, bytesElsewhere = 0;  // what a sample takes, and all that is stored beside samples
+};
+
+// What was decided, and at what cost.
+struct FaceReport {
+    double tolerance = 0;  // what was to be met
+    double error = 0;      // what is left, by the probes
+    double unmet = 0;      // fraction of the area, buried parts left out, of triangles that err more than the tolerance and are refined no
+                           // further
+    double buried = 0;     // fraction of the area inside solids
+    size_t samples = 0;    // on faces
+    size_t rays = 0;       // traced for them, and for vertices that they were fitted with
+    std::array<size_t, MAX_LATTICE_LEVEL + 1> triangles{};  // by level
+};
+
+// The triangles of a scene with their probes, and how finely each is to be sampled.
+class Faces {
+public:
+    // Traces the first probes. `vertices`: what these see. All must outlive it. Throws Cancelled.
+    Faces(const Scene& scene, const Prober& prober, const BakedVisibility& vertices, uint32_t seed, const Progress& progress);
+    ~Faces();
+
+    bool empty() const;  // no triangle has an area
+
+    // Refines triangles, those first where it lowers the error times the area most for a byte, until the options are met. Throws
+    // Cancelled.
+    void refine(const FaceOptions& options, const Progress& progress);
+
+    // Fits the four numbers of all vertices and samples, together over all faces that meet smoothly.
+    BakedVisibility fit() const;
+
+    // Bakes samples on faces by a recipe, each from rays that start all around it. `out` has levels and room.
+    void bakeSamples(BakedVisibility& out, const OcclusionSource& source, const BakeOptions& options, const Progress& progress) const;
+
+    const FaceReport& report() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace apertura

@@ -1,0 +1,44 @@
+#pragma once
+// Looks by few rays at many points of a triangle, from which its visibility is fitted.
+#include "bake/sampling/occlusion.h"
+#include "sh/sh4.h"
+
+namespace apertura {
+
+// What one point of a triangle sees, by two sets of rays: neither knows of the other's noise.
+struct Probe {
+    glm::vec3 weights;     // barycentric
+    Visibility halves[2];  // world
+    bool buried;           // inside something: nobody sees the point
+
+    Visibility mean() const { return {0.5f * (halves[0].direction + halves[1].direction), 0.5f * (halves[0].area + halves[1].area)}; }
+};
+
+// Places and traces probes. Safe from any number of threads. What must outlive it: all that it is made from.
+class Prober {
+public:
+    //   rays  of a baked sample: a witness has as many, up to 256, and a probe a quarter of them
+    Prober(const Scene& scene, const OcclusionSource& source, const Solids& solids, int rays, uint32_t seed);
+
+    // The k-th probe of a triangle: the same one, however many there are. They spread evenly over it. Witnesses are other points, looked at
+    // more closely: what is fitted to probes is judged by them.
+    Probe probe(size_t instance, size_t triangle, size_t k) const { return look(instance, triangle, k, few_); }
+    Probe witness(size_t instance, size_t triangle, size_t k) const { return look(instance, triangle, k, many_); }
+
+    // Where the rays of a point of a triangle start; see lookingNormal in runtime/asset/faces.h.
+    SurfacePoint pointAt(size_t instance, size_t triangle, const glm::vec3& weights) const;
+
+    size_t rays() const { return rays_; }  // traced so far
+
+private:
+    Probe look(size_t instance, size_t triangle, size_t k, const std::vector<glm::vec3>& directions) const;
+
+    const Scene& scene_;
+    const OcclusionSource& source_;
+    const Solids& solids_;
+    uint32_t seed_;
+    std::vector<glm::vec3> few_, many_;  // directions
+    mutable std::atomic<size_t> rays_ = 0;
+};
+
+}  // namespace apertura

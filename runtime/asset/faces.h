@@ -1,0 +1,36 @@
+#pragma once
+// The samples on faces in the asset: three accessors, found by their names, for all primitives that the scene draws, in the order of its
+// instances. No object refers to them, so that programs that know nothing of them leave the rest alone.
+//   _VISIBILITY_LEVELS   SCALAR UNSIGNED_BYTE, one per triangle: SeenOnFaces::levels; sparse where few are not 0
+//   _VISIBILITY_SAMPLES  VEC4 as _VISIBILITY, one per sample
+//   _VISIBILITY_NUMBERS  SCALAR UNSIGNED_BYTE: the bytes of params_stream.h, instance after instance, if a model is stored
+// asset.extras.apertura.faces says what they belong to: "triangles", a hash of all corners in order, and "numbers", the bytes of each
+// instance.
+#include "runtime/asset/asset.h"
+#include "runtime/asset/gltf_writer.h"
+
+namespace apertura {
+
+// Adds the accessors. Returns the description; null where no triangle has samples.
+Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& seen, const Model* stored, int bits);
+
+// Takes the names of such accessors away and returns their indices, for GltfWriter::release.
+std::set<size_t> removeFaces(Json& json);
+
+// Reads `asset.seen[i].faces`. Where the accessors are gone or the triangles are not those that were baked, it adds a line to the scene's
+// notes and leaves the faces empty. Throws Error naming the scene if what is there is damaged.
+void readFaces(Asset& asset, const Json& described);
+
+// What the samples on faces take in the file, bytes.
+size_t bytesOfFaces(const Scene& scene, const BakedVisibility& seen, const Model* stored, int bits);
+
+// Weights of the triangle's corners at a sample of its lattice.
+glm::vec3 latticePoint(int sample, int steps);
+
+// True where the normal of one of a triangle's vertices leans far from the face, by more than 37 degrees.
+bool leansFrom(const Scene& scene, int instance, int triangle);
+// The normal about which a point of a face looks: the vertices' normals, interpolated, or the face's own where one of them leans far from
+// it. World, unit.
+glm::vec3 lookingNormal(const Scene& scene, int instance, int triangle, const glm::vec3& barycentrics);
+
+}  // namespace apertura

@@ -1,0 +1,353 @@
+// Samples on faces: lattices, what is fitted to them, how an asset holds them, and what is drawn and measured of them.
+#include "bake/fit/faces.h"
+
+#include <fstream>
+#include <set>
+
+#include "bake/fit/least_squares.h"
+#include "bake/measure/measure.h"
+#include "bake/scene/load.h"
+#include "bake/scene/shapes.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/faces.h"
+#include "runtime/asset/gltf_document.h"
+#include "runtime/asset/receiver.h"
+#include "runtime/render/renderer.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+glm::vec3 anyBarycentrics(Random& random) {
+    const double root = std::sqrt(random()), v = random();
+    return {float(1 - root), float(root * (1 - v)), float(root * v)};
+}
+
+Visibility anyVisibility(Random& random) {
+    const double area = random(0.1, 6);
+    return {glm::vec3(random.direction() * random(0, 0.9) * area * (1 - area / (4 * pi))), float(area)};
+}
+
+// A square floor of two triangles, and a box that stands in its middle.
+Scene boxOnFloor() {
+    Scene scene;
+    scene.name = "box on a floor";
+    Surface floor;
+    floor.positions = {{-5, 0, -5}, {-5, 0, 5}, {5, 0, 5}, {5, 0, -5}};
+    floor.normals.assign(4, {0, 1, 0});
+    floor.triangles = {{0, 1, 2}, {0, 2, 3}};
+    Surface box;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float side : {-1.0f, 1.0f}) {
+            if (axis == 1 && side < 0) continue;
+            const auto first = uint32_t(box.positions.size());
+            glm::vec3 n(0), u(0), v(0);
+            n[axis] = side, u[(axis + 1) % 3] = 1, v[(axis + 2) % 3] = side;
+            for (const auto& [a, b] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+                box.positions.push_back(n + float(a) * u + float(b) * v + glm::vec3(0, 1, 0));
+                box.normals.push_back(n);
+            }
+            box.triangles.push_back({first, first + 1, first + 2});
+            box.triangles.push_back({first, first + 2, first + 3});
+        }
+    scene.surfaces = {floor, box};
+    scene.instances = {{0}, {1}};
+    return scene;
+}
+
+// Two instances, the second one turned, with samples of every kind on their faces.
+Asset anyAsset(const Scene& scene, const std::string& model, uint64_t seed) {
+    Random random(seed);
+    Asset out{scene, {}, {}};
+    out.info.model = model;
+    const Model* stored = storedModel(out.info);
+    const auto params = [&] {
+        std::vector<float> numbers(size_t(storedNumbers(*stored)));
+        for (float& n : numbers) n = float(random(-1, 1));
+        return unpackParams(*stored, numbers);
+    };
+    for (const Instance& instance : scene.instances) {
+        const Surface& surface = scene.surfaces[size_t(instance.surface)];
+        SeenByInstance seen;
+        for (size_t v = 0; v < surface.positions.size(); ++v) {
+            seen.visibility.push_back(anyVisibility(random));
+            if (stored) seen.allParams.push_back(params());
+        }
+        std::vector<uint8_t> levels;
+        for (size_t t = 0; t < surface.triangles.size(); ++t) levels.push_back(uint8_t(random(0, 5)));
+        seen.faces.setLevels(levels, stored != nullptr);
+        for (Visibility& v : seen.faces.visibility) v = anyVisibility(random);
+        for (ModelParams& p : seen.faces.allParams) p = params();
+        out.seen.push_back(std::move(seen));
+    }
+    return out;
+}
+
+TEST(Lattice, ACellsSamplesSurroundThePoint) {
+    Random random(1);
+    for (int level = 1; level <= MAX_LATTICE_LEVEL; ++level) {
+        const int steps = latticeSteps(level);
+        std::set<std::pair<int, int>> points;
+        for (int k = 0; k < latticeSize(steps); ++k) {
+            const glm::vec3 p = latticePoint(k, steps) * float(steps);
+            EXPECT_EQ(p, glm::round(p));
+            EXPECT_TRUE(points.emplace(int(p.y), int(p.z)).second);
+        }
+        for (int i = 0; i < 2000; ++i) {
+            const glm::vec3 at = anyBarycentrics(random);
+            const LatticeCell cell = latticeCell(at, steps);
+            glm::vec3 sum(0);
+            for (int c = 0; c < 3; ++c) {
+                ASSERT_GE(cell.samples[c], 0);
+                ASSERT_LT(cell.samples[c], latticeSize(steps));
+                EXPECT_GE(cell.weights[c], -1e-5f);
+                const glm::vec3 sample = latticePoint(cell.samples[c], steps);
+                EXPECT_LE(glm::length(sample - at), 1.5f / float(steps));
+                sum += cell.weights[c] * sample;
+            }
+            EXPECT_LT(glm::length(sum - at), 1e-5f) << level;
+        }
+        // A fragment's weights may lie a little outside.
+        for (const glm::vec3& at : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1), glm::vec3(-1e-6f, 0.5f, 0.500001f)})
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_GE(latticeCell(at, steps).samples[c], 0);
+                EXPECT_LT(latticeCell(at, steps).samples[c], latticeSize(steps));
+            }
+    }
+}
+
+TEST(LeastSquares, FindsWhatIsLinearAndClosesWhatIsUnknown) {
+    Random random(2);
+    const Visibility ends[3] = {{{1, 0.5f, 0}, 3}, {{0.2f, 1, 0.1f}, 2.5f}, {{0, 0, 0.4f}, 1}};
+    const auto at = [&](const glm::vec3& w) {
+        Visibility out{glm::vec3(0), 0};
+        for (int c = 0; c < 3; ++c) out.direction += w[c] * ends[c].direction, out.area += w[c] * ends[c].area;
+        return out;
+    };
+    const int steps = 4;
+    LeastSquares equations(size_t(latticeSize(steps)) + 1);
+    for (int i = 0; i < 400; ++i) {
+        const glm::vec3 w = anyBarycentrics(random);
+        const LatticeCell cell = latticeCell(w, steps);
+        std::vector<Term> terms;
+        for (int c = 0; c < 3; ++c) terms.emplace_back(uint32_t(cell.samples[c]), cell.weights[c]);
+        equations.add(terms, at(w));
+    }
+    const std::vector<Visibility> found = equations.solve();
+    for (int k = 0; k < latticeSize(steps); ++k) {
+        const Visibility truth = at(latticePoint(k, steps));
+        EXPECT_NEAR(found[size_t(k)].area, truth.area, 2e-3) << k;
+        EXPECT_LT(glm::length(found[size_t(k)].direction - truth.direction), 0.1) << k;  // no sharper than the mean about it
+    }
+    EXPECT_EQ(found.back().area, 0);
+}
+
+TEST(FaceSamples, ComeBackFromTheFile) {
+    const Folder folder;
+    Scene scene = boxOnFloor();
+    scene.instances.push_back({1, glm::mat4(0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 4, 0, 0, 1)});
+    for (const char* model : {"sh", "firm-2"})
+        for (const int bits : {8, 16}) {
+            Asset asset = anyAsset(scene, model, 3);
+            asset.info.bits = bits;
+            writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
+            const Asset back = readAsset(folder / "a.glb");
+            EXPECT_TRUE(back.scene.notes.empty());
+            EXPECT_EQ(visibilityBytes(back), visibilityBytes(asset));
+            const Model& drawn = storedModel(asset.info) ? *storedModel(asset.info) : *findModel("sh-l1");
+            const CapLight light = capLight(glm::dvec3(0.6, 0.64, 0.48), 0.3);
+            Random random(4);
+            for (size_t i = 0; i < scene.instances.size(); ++i) {
+                ASSERT_EQ(back.seen[i].faces.levels, asset.seen[i].faces.levels);
+                for (size_t k = 0; k < asset.seen[i].faces.visibility.size(); ++k) {
+                    const Visibility &a = asset.seen[i].faces.visibility[k], &b = back.seen[i].faces.visibility[k];
+                    EXPECT_NEAR(a.area, b.area, bits == 8 ? 0.03 : 2e-4);
+                    EXPECT_LT(glm::length(a.direction - b.direction), bits == 8 ? 0.08 : 4e-4);
+                }
+                const size_t triangles = scene.surfaces[size_t(scene.instances[i].surface)].triangles.size();
+                for (int k = 0; bits == 16 && k < 100; ++k) {
+                    const int t = int(random(0, double(triangles)));
+                    const glm::vec3 w = anyBarycentrics(random), n(0, 1, 0);
+                    const auto e = [&](const Asset& of) {
+                        double sum = 0;
+                        for (const auto& [share, r] : receiverAt(of, drawn, int(i), t, w, n))
+                            sum += share * irradianceThrough(drawn.id, r, light, LIGHTS_ANY) / light.area;
+                        return sum;
+                    };
+                    EXPECT_NEAR(e(asset), e(back), 5e-3) << model;
+                }
+            }
+            // A second bake replaces the first.
+            Scene again = back.scene;
+            BakedVisibility plain;
+            for (const SeenByInstance& seen : asset.seen) plain.push_back({seen.visibility, {}, {}});
+            writeAsset(folder / "b.glb", again, plain, {});
+            EXPECT_LT(std::filesystem::file_size(folder / "b.glb"), std::filesystem::file_size(folder / "a.glb"));
+            EXPECT_TRUE(readAsset(folder / "b.glb").seen[0].faces.levels.empty());
+        }
+}
+
+// Writes a document again with its JSON changed.
+std::string changed(const Folder& folder, const std::string& path, const std::function<void(Json&)>& change) {
+    GltfDocument document = readGltfDocument(path);
+    change(document.json);
+    GltfWriter(document).write(folder / "changed.glb", folder / "changed.glb");
+    return folder / "changed.glb";
+}
+
+TEST(FaceSamples, OfFewFacesTakeFewBytes) {
+    const Folder folder;
+    const Scene scene = makeBuiltin("statue");
+    Asset asset{scene, {}, {}};
+    const Surface& surface = scene.surfaces[0];
+    asset.seen.push_back({std::vector<Visibility>(surface.positions.size()), {}, {}});
+    const size_t alone = visibilityBytes(asset);
+    std::vector<uint8_t> levels(surface.triangles.size(), 0);
+    levels[7] = 3, levels[90000] = 1, levels.back() = 2;
+    asset.seen[0].faces.setLevels(levels, false);
+    asset.seen[0].faces.visibility[16] = {{0, 0, 1}, 2};
+    EXPECT_EQ(visibilityBytes(asset), alone + 3 * 5 + 4 * (15 + 3 + 6));
+    writeAsset(folder / "a.glb", scene, asset.seen, {});
+    const Asset back = readAsset(folder / "a.glb");
+    EXPECT_EQ(back.seen[0].faces.levels, levels);
+    EXPECT_NEAR(back.seen[0].faces.visibility[16].area, 2, 0.03);
+}
+
+TEST(FaceSamples, OfOtherTrianglesAreLeftAlone) {
+    const Folder folder;
+    const Scene scene = boxOnFloor();
+    const Asset asset = anyAsset(scene, "sh", 5);
+    writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
+    const auto lonely = [&](const std::function<void(Json&)>& change) {
+        const Asset back = readAsset(changed(folder, folder / "a.glb", change));
+        EXPECT_EQ(back.scene.notes.size(), 1u);
+        for (const SeenByInstance& seen : back.seen) EXPECT_TRUE(seen.faces.visibility.empty());
+    };
+    lonely([](Json& json) { std::swap(json["nodes"][0]["mesh"], json["nodes"][1]["mesh"]); });
+    lonely([](Json& json) {
+        for (Json& accessor : json["accessors"])
+            if (accessor.value("name", "") == "_VISIBILITY_SAMPLES") accessor.erase("name");
+    });
+    // Accessors may stand in another order: they are found by their names.
+    const Asset same = readAsset(changed(folder, folder / "a.glb", [](Json&) {}));
+    EXPECT_EQ(same.seen[0].faces.levels, asset.seen[0].faces.levels);
+}
+
+TEST(FaceSamples, ThatLieAreRefused) {
+    const Folder folder;
+    const Scene scene = boxOnFloor();
+    const Asset asset = anyAsset(scene, "firm-2", 6);
+    writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
+    const auto refused = [&](const std::function<void(Json&)>& change) {
+        const std::string path = changed(folder, folder / "a.glb", change);
+        try {
+            readAsset(path);
+            ADD_FAILURE() << "was accepted";
+        } catch (const Error& e) {
+            EXPECT_NE(std::string(e.what()).find(path), std::string::npos) << e.what();
+        }
+    };
+    const auto accessor = [](Json& json, const std::string& name) -> Json& {
+        for (Json& a : json["accessors"])
+            if (a.value("name", "") == name) return a;
+        throw Error("no accessor " + name);
+    };
+    for (const char* name : {"_VISIBILITY_LEVELS", "_VISIBILITY_SAMPLES", "_VISIBILITY_NUMBERS"})
+        refused([&](Json& json) { accessor(json, name)["count"] = accessor(json, name)["count"].get<int>() - 1; });
+    refused([&](Json& json) { accessor(json, "_VISIBILITY_SAMPLES").erase("normalized"); });
+    refused([&](Json& json) { json["asset"]["extras"]["apertura"]["faces"]["numbers"][0] = 1e9; });
+    refused([&](Json& json) { json["asset"]["extras"]["apertura"]["faces"].erase("numbers"); });
+    // Levels that stand for more samples than a face may have.
+    refused([&](Json& json) { accessor(json, "_VISIBILITY_LEVELS")["bufferView"] = accessor(json, "_VISIBILITY_NUMBERS")["bufferView"]; });
+}
+
+TEST(BakeScene, StoresWhatVerticesCannot) {
+    const Scene scene = boxOnFloor();
+    const Tracer tracer(scene);
+    MeasureOptions measure;
+    measure.models = {findModel("soft")};
+    measure.only = true;
+    measure.shadowMap = false;
+    measure.lightRadii = {5};
+    measure.receivers = 300;
+    const auto baked = [&](At at, int threads) {
+        BakeOptions options;
+        options.at = at;
+        options.threads = threads;
+        Asset out{scene, bakeScene(scene, tracer, options), {}};
+        return out;
+    };
+    const Asset faces = baked(At::Faces, 1), again = baked(At::Faces, 3);
+    const MeasureRow coarse = measureAsset(baked(At::Vertices, 0), measure).rows[0], fine = measureAsset(faces, measure).rows[0];
+    std::printf("box on a floor: own %.4f, at vertices %.4f (sky %.4f), on faces %.4f (sky %.4f)\n", fine.own, coarse.rmse, coarse.ambient,
+                fine.rmse, fine.ambient);
+    EXPECT_GT(coarse.rmse, 2 * fine.own);  // the box stands where no vertex of the floor is
+    EXPECT_LT(fine.rmse, 1.5 * fine.own);
+    EXPECT_LT(fine.ambient, 0.02);
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        EXPECT_EQ(faces.seen[i].faces.levels, again.seen[i].faces.levels);
+        for (size_t k = 0; k < faces.seen[i].faces.visibility.size(); ++k)
+            ASSERT_EQ(faces.seen[i].faces.visibility[k].area, again.seen[i].faces.visibility[k].area);
+    }
+}
+
+TEST(BakeScene, KeepsWithinItsBytes) {
+    const Scene scene = boxOnFloor();
+    const Tracer tracer(scene);
+    for (const char* recipe : {"sh", "firm-2"}) {
+        BakeOptions options;
+        options.recipe = recipe;
+        options.rays = 64;
+        options.maxBytes = 3000;
+        FaceReport report;
+        Asset asset{scene, bakeScene(scene, tracer, options, {}, nullptr, nullptr, &report), {}};
+        asset.info.model = recipe;
+        EXPECT_LE(visibilityBytes(asset), 3000u) << recipe;
+        EXPECT_GT(report.samples, 50u) << recipe;
+        EXPECT_GT(report.unmet, 0) << recipe;
+    }
+}
+
+// The device draws what receiverAt has: here, samples on faces that lie on the line between the vertices.
+TEST(FaceSamples, AreDrawn) {
+    const Gpu gpu;
+    Scene scene = boxOnFloor();
+    Asset plain = anyAsset(scene, "sh", 7), lined = plain;
+    for (size_t i = 0; i < plain.seen.size(); ++i) {
+        plain.seen[i].faces = {};
+        const Surface& surface = scene.surfaces[size_t(scene.instances[i].surface)];
+        SeenOnFaces& faces = lined.seen[i].faces;
+        for (size_t t = 0; t < faces.levels.size(); ++t)
+            for (int k = 0; faces.level(t) && k < latticeSize(latticeSteps(faces.level(t))); ++k) {
+                const glm::vec3 w = latticePoint(k, latticeSteps(faces.level(t)));
+                Visibility& v = faces.visibility[faces.first[t] + size_t(k)];
+                v = {glm::vec3(0), 0};
+                for (int c = 0; c < 3; ++c) {
+                    const Visibility& corner = plain.seen[i].visibility[surface.triangles[t][size_t(c)]];
+                    v.direction += w[c] * corner.direction, v.area += w[c] * corner.area;
+                }
+            }
+    }
+    View view;
+    view.camera = {{7, 6, 9}, {0, 0.5f, 0}};
+    view.width = 160, view.height = 90;
+    view.lights = {directionalLight({0.4f, 0.8f, 0.3f}, 0.1, glm::vec3(2))};
+    // Both models' light is linear in what is stored.
+    for (const char* name : {"sh-l1", "unshadowed"}) {
+        const Picture a = Renderer(gpu, plain).draw(view, *findModel(name)), b = Renderer(gpu, lined).draw(view, *findModel(name));
+        double most = 0, spread = 0;
+        for (size_t i = 0; i < a.pixels.size(); ++i)
+            most = std::max(most, double(std::abs(a.pixels[i].g - b.pixels[i].g))), spread = std::max(spread, double(a.pixels[i].g));
+        EXPECT_LT(most, 2e-3 * spread) << name;
+    }
+    // And other samples are drawn otherwise.
+    for (SeenByInstance& seen : lined.seen)
+        for (Visibility& v : seen.faces.visibility) v = {glm::vec3(0), 0};
+    const Picture a = Renderer(gpu, plain).draw(view, *findModel("sh-l1")), b = Renderer(gpu, lined).draw(view, *findModel("sh-l1"));
+    double most = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) most = std::max(most, double(std::abs(a.pixels[i].g - b.pixels[i].g)));
+    EXPECT_GT(most, 0.05);
+}
+
+}  // namespace
+}  // namespace apertura::test
