@@ -327,7 +327,7 @@ TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
         "box.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -1 2 -1\nv 1 2 -1\nf 1 2 3\nf 1 3 4\nf 4 3 6\nf 4 6 5\n");
     for (const char* model : {"sh-fit", "anti", "soft-2", "soft-l2", "sh-l4", "horizon", "auto"}) {
         const std::string glb = folder / (std::string(model) + ".glb");
-        Result r = run("bake " + obj + " -o " + glb + " --rays 64 --model " + model);
+        Result r = run("bake " + obj + " -o " + glb + " --rays 64 --at vertices --model " + model);
         ASSERT_EQ(r.code, 0) << model << r.error;
         r = run("info " + glb + " --json");
         ASSERT_EQ(r.code, 0) << model << r.error;
