@@ -142,6 +142,23 @@ TEST(LeastSquares, FindsWhatIsLinearAndClosesWhatIsUnknown) {
     EXPECT_EQ(found.back().area, 0);
 }
 
+// Least squares overshoots beside a step. What was seen is nowhere nearer to a cap than this, and so is nothing that is fitted.
+TEST(LeastSquares, MakesNothingSharperThanWhatWasSeen) {
+    Random random(8);
+    const int steps = 8;
+    const float area = 2, most = 0.9f;
+    const float length = most * area * (1 - area / float(4 * pi));
+    LeastSquares equations(size_t(latticeSize(steps)));
+    for (int i = 0; i < 2000; ++i) {
+        const glm::vec3 w = anyBarycentrics(random);
+        const LatticeCell cell = latticeCell(w, steps);
+        std::vector<Term> terms;
+        for (int c = 0; c < 3; ++c) terms.emplace_back(uint32_t(cell.samples[c]), cell.weights[c]);
+        equations.add(terms, {{w.x < 0.45f ? length : -length, 0, 0}, area});
+    }
+    for (const Visibility& v : equations.solve()) EXPECT_LE(capness(v), most + 1e-3f);
+}
+
 TEST(FaceSamples, ComeBackFromTheFile) {
     const Folder folder;
     Scene scene = boxOnFloor();
@@ -284,6 +301,8 @@ TEST(BakeScene, StoresWhatVerticesCannot) {
     EXPECT_GT(coarse.rmse, 2 * fine.own);  // the box stands where no vertex of the floor is
     EXPECT_LT(fine.rmse, 1.5 * fine.own);
     EXPECT_LT(fine.ambient, 0.02);
+    // The box's own faces each see the same everywhere: samples go to the floor.
+    EXPECT_LT(8 * faces.seen[1].faces.visibility.size(), faces.seen[0].faces.visibility.size());
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         EXPECT_EQ(faces.seen[i].faces.levels, again.seen[i].faces.levels);
         for (size_t k = 0; k < faces.seen[i].faces.visibility.size(); ++k)

@@ -64,8 +64,11 @@ void run(const Arguments& a) {
     std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices, triangleCount(scene),
                 a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
     if (report.samples > 0)
-        std::printf("  %zu samples on faces add %.3g to the model's own error, by what was asked for at most %.3g\n", report.samples,
-                    report.error, report.tolerance);
+        std::printf(
+            "  %zu samples on faces add %.3g to the model's own error, by what was asked for at most %.3g; %.3g rays "
+            "were traced for each one stored\n",
+            report.samples, report.error, report.tolerance,
+            double(report.rays + vertices * size_t(a.bake.rays)) / (double(vertices + report.samples) * a.bake.rays));
     if (report.unmet > 0)
         std::printf("  %.3g %% of the surface errs more than that and is refined no further: %s\n", 100 * report.unmet,
                     a.bake.maxBytes > 0 ? "--max-bytes is reached, or finer samples do not help" : "finer samples do not help");

@@ -108,6 +108,7 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     AutoPlan found{};
     BakedVisibility out = bakeVertices(scene, tracer, options, part(progress, 0, 0.4), issues, &found);
     if (plan) *plan = found;
+    if (issues) issues->large = 0;  // samples on them hold what their vertices cannot
     const RayOcclusion source(tracer, options.maxDistance);
     const Solids solids(scene, tracer);
     const Prober prober(scene, source, solids, options.rays, options.seed);

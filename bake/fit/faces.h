@@ -1,7 +1,5 @@
 #pragma once
 // Where visibility is stored: at vertices, and on the faces that they do not suffice for as finely as each one needs.
-#include <array>
-
 #include "bake/fit/bake.h"
 #include "bake/sampling/probes.h"
 
@@ -22,8 +20,7 @@ struct FaceReport {
                            // further
     double buried = 0;     // fraction of the area inside solids
     size_t samples = 0;    // on faces
-    size_t rays = 0;       // traced for them, and for vertices that they were fitted with
-    std::array<size_t, MAX_LATTICE_LEVEL + 1> triangles{};  // by level
+    size_t rays = 0;       // traced to decide and to bake them; not those of the vertices
 };
 
 // The triangles of a scene with their probes, and how finely each is to be sampled.

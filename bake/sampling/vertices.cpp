@@ -196,7 +196,7 @@ std::vector<std::string> describe(const MeshIssues& d) {
     say("triangles wound against their surface's normals", d.inverted, "the normals are believed");
     say("vertices with normals behind all of their faces", d.normalsBehind, "baked on the faces' side");
     say("vertices inside other geometry", d.moved, "baked from the nearest point outside on their triangles");
-    say("triangles longer than a twentieth of the scene", d.large, "shadows that fall within them are lost: subdivide them");
+    say("triangles longer than a twentieth of the scene", d.large, "shadows that fall within them are lost: --at faces keeps them");
     say("vertices that see backs of faces", d.insideSolids,
         "baked as they are: right inside solids; where they show as dark spots, faces are one-sided or inside out");
     return out;
