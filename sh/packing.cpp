@@ -22,19 +22,21 @@ std::array<Int, 4> pack(const Visibility& any) {
 }
 
 template <typename Int>
-Visibility unpackInts(const std::array<Int, 4>& p) {
+glm::vec4 normalisedInts(const std::array<Int, 4>& p) {
     constexpr float top = std::numeric_limits<Int>::max();
-    glm::vec4 normalised;
-    for (int i = 0; i < 4; ++i) normalised[i] = std::max(p[i] / top, -1.0f);
-    return unpack(normalised);
+    glm::vec4 out;
+    for (int i = 0; i < 4; ++i) out[i] = std::max(p[i] / top, -1.0f);
+    return out;
 }
 
 }  // namespace
 
 Packed8 pack8(const Visibility& v) { return pack<int8_t>(v); }
 Packed16 pack16(const Visibility& v) { return pack<int16_t>(v); }
-Visibility unpack(const Packed8& p) { return unpackInts(p); }
-Visibility unpack(const Packed16& p) { return unpackInts(p); }
+glm::vec4 normalised(const Packed8& p) { return normalisedInts(p); }
+glm::vec4 normalised(const Packed16& p) { return normalisedInts(p); }
+Visibility unpack(const Packed8& p) { return unpack(normalised(p)); }
+Visibility unpack(const Packed16& p) { return unpack(normalised(p)); }
 
 Visibility unpack(const glm::vec4& normalised) {
     const float root = (normalised.w + 1) / 2;

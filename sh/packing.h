@@ -35,7 +35,11 @@ Packed16 pack16(const Visibility& v);
 Visibility unpack(const Packed8& p);
 Visibility unpack(const Packed16& p);
 
-// The same from the components in -1..1 that a vertex fetch or a glTF reader returns.
+// The components in -1..1 that a vertex fetch or a glTF reader returns,
+glm::vec4 normalised(const Packed8& p);
+glm::vec4 normalised(const Packed16& p);
+
+// and the visibility from these.
 Visibility unpack(const glm::vec4& normalised);
 
 }  // namespace apertura

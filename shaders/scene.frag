@@ -10,9 +10,9 @@
 //   APERTURA_ONE_LIGHT  1: for frames of just one light; 0: of any number
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
-layout(location = 2) in vec3 weights;
-layout(location = 3) flat in uvec3 corners;
-layout(location = 4) flat in uint face;
+layout(location = 2) in vec2 place;
+layout(location = 3) flat in float pitch;
+layout(location = 4) flat in uvec3 firstCell;
 
 layout(constant_id = 3) const bool onFaces = false;  // some faces have samples of their own
 
@@ -40,11 +40,11 @@ void addReceiver(Receiver receiver, float share) {
 void main() {
     vec3 normal = normalize(worldNormal);
     // The three samples about the pixel.
-    uvec3 around = corners;
-    vec3 shares = weights;
-    if (onFaces && face > 0) {
-        LatticeCell cell = latticeCell(weights, latticeSteps(int(face & 15)));
-        around = uvec3(cell.samples) + (face >> 4);
+    uvec3 around = firstCell;
+    vec3 shares = vec3(1.0 - place.x - place.y, place);
+    if (onFaces) {
+        LatticeCell cell = latticeCellFromFirst(place, pitch);
+        around += uvec3(cell.samples);
         shares = cell.weights;
     }
 #if APERTURA_CORNERS == 3

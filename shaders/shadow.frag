@@ -9,8 +9,6 @@ layout(set = 0, binding = 4) uniform texture2D shadowMap;
 
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
-layout(location = 2) in vec3 weights;
-layout(location = 3) flat in uvec3 corners;
 
 layout(location = 0) out vec4 colour;
 

@@ -3,6 +3,7 @@
 #include "bake/sampling/directions.h"
 
 #include "bake/sampling/surface_points.h"
+#include "bake/scene/builtin.h"
 #include "bake/scene/load.h"
 #include "bake/scene/shapes.h"
 #include "sh/packing.h"
@@ -201,7 +202,7 @@ TEST(Lattice, IntegratesTheHemisphere) {
 }
 
 TEST(Builtin, SameBytesEveryTimeAndAllOfThemTrace) {
-    ASSERT_EQ(builtinNames().size(), 9u);
+    ASSERT_EQ(builtinNames().size(), 10u);
     for (const std::string& name : builtinNames()) {
         const Scene a = makeBuiltin(name), b = makeBuiltin(name);
         ASSERT_EQ(a.surfaces.size(), b.surfaces.size());

@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "bake/fit/bake.h"
+#include "bake/sampling/solids.h"
 #include "bake/scene/shapes.h"
 #include "tests/support.h"
 
@@ -265,6 +266,22 @@ TEST(Vertices, InstancesOfTinyNumbersUnderLargeScalesBlock) {
         double least = 1;
         for (const double open : baked.open(1)) least = std::min(least, open);
         EXPECT_LT(least, 0.6) << tiny;
+    }
+}
+
+TEST(Vertices, PartsOfTwoSidedMaterialsAreSolidWhereTheyClose) {
+    // A ground, a box that stands in it without a bottom, and a curtain. The ground's middle lies within the box.
+    Scene scene = sceneOf({panel({-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, 1), {}, panel({3, 0, 2}, {0, 0, -4}, {0, 3, 0}, 1)});
+    addBox(scene.surfaces[1], {-1.5, -0.5, -1.5}, {1.5, 2, 1.5}, 1, false);
+    for (const bool twoSided : {false, true}) {
+        for (Surface& surface : scene.surfaces) surface.twoSided = twoSided;
+        const Tracer tracer(scene);
+        const Solids solids(scene, tracer);
+        EXPECT_EQ(solids.closedParts(), twoSided ? 1u : 0u);
+        EXPECT_EQ(solids.backsSeen({{0, 0, 0}, {0, 1, 0}}, 0), Solids::kProbes) << twoSided;
+        if (twoSided) {
+            EXPECT_EQ(solids.backsSeen({{2.9, 0, 0}, {0, 1, 0}}, 0), 0);  // behind the curtain
+        }
     }
 }
 

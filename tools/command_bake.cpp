@@ -77,7 +77,7 @@ void run(const Arguments& a) {
         std::printf("  texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise\n");
     if (double(closed) > kNearlyAll * double(vertices))
         std::printf("  %zu of %zu vertices see nothing of the sky: a closed room, or faces that are wound inside out\n", closed, vertices);
-    for (const std::string& note : scene.notes) std::printf("  %s\n", printable(note).c_str());
+    printNotes(scene.notes);
     for (const std::string& line : describe(issues)) std::printf("  %s\n", line.c_str());
 }
 

@@ -10,6 +10,7 @@
 
 #include "bake/fit/bake.h"
 #include "bake/measure/measure.h"
+#include "bake/scene/builtin.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
 #include "tools/commands.h"
@@ -201,7 +202,7 @@ void addChartCommand(CLI::App& program) {
         "GPU cycles are what Mesa's compilers for an RDNA2 and a GCN4 Radeon state, above N.L alone; no such GPU is needed.\n"
         "The charts are drawn by matplotlib under /usr/bin/python3, or under $APERTURA_PYTHON.\n"
         "Example: apertura chart builtin:statue builtin:canyon -o charts");
-    command.add_option("SCENE", a->scenes, "scenes as for bake [the nine built-in ones]")->type_name("SCENE ...");
+    command.add_option("SCENE", a->scenes, "scenes as for bake [the ten built-in ones]")->type_name("SCENE ...");
     command.add_option("-o", a->out, "the folder for all of it; made where it is not there")->required()->type_name("DIR");
     command.add_option("--models", a->models, "of " + modelNames() + ", shadow-map [all]")->delimiter(',')->type_name("A,B,...");
     command.add_option("--light-radii", a->measure.lightRadii, "degrees [0.27,1,5,15,30]")

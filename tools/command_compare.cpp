@@ -111,6 +111,7 @@ void run(Arguments a) {
     refuseToReplaceInput(a.scene, a.json);
     if (!a.json.empty()) requireWritable(a.json);
     Measurement result;
+    std::vector<std::string> notes;
     {
         ProgressBar bar("comparing");
         const Scene scene = loadScene(a.scene, a.map);
@@ -120,13 +121,19 @@ void run(Arguments a) {
                 if (!model->fromVisibility && model != storedModel(asset.info))
                     throw Error(a.scene + ": does not hold the model " + std::string(model->name) + "; bake it with --model "
                                 + std::string(model->name));
+            notes = asset.scene.notes;
             result = measureAsset(asset, a.measure, bar.callback());
         } else {
+            notes = scene.notes;
+            if (lostVisibility(scene)) notes.push_back("it was baked, but its visibility is gone: the models are made anew");
             result = measureScene(scene, a.measure, bar.callback());
         }
     }
-    if (!a.json.empty()) writeTextFile(a.json, toJson(result).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    nlohmann::ordered_json json = toJson(result);
+    if (!notes.empty()) json["notes"] = notes;
+    if (!a.json.empty()) writeTextFile(a.json, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     print(result, a.measure.lightRadii);
+    printNotes(notes);
 }
 
 }  // namespace

@@ -73,8 +73,10 @@ void run(const Arguments& a) {
     Scene scene = loadScene(a.file, a.map);
     view.camera = parseCamera(a.camera, viewOf(scene));
     Picture picture;
+    std::vector<std::string> notes = scene.notes;
     if (model || own || a.model == "shadow-map") {
         const Asset asset = toAsset(std::move(scene));
+        notes = asset.scene.notes;
         if (own) model = storedModel(asset.info);
         if (own && !model) model = findModel("soft");
         const Gpu gpu;
@@ -97,6 +99,7 @@ void run(const Arguments& a) {
     if (interrupted()) throw Cancelled{};
     writePicture(a.out, picture);
     std::printf("%s: %d x %d, %s\n", a.out.c_str(), view.width, view.height, model ? std::string(model->name).c_str() : a.model.c_str());
+    printNotes(notes);
 }
 
 }  // namespace

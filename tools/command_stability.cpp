@@ -10,6 +10,7 @@
 #include "bake/measure/fuzz.h"
 #include "bake/measure/scene_steps.h"
 #include "bake/measure/storage_errors.h"
+#include "bake/scene/builtin.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
 #include "runtime/render/renderer.h"

@@ -44,6 +44,9 @@ void drawCharts(const char* script, const std::string& folder, const std::string
 // Text from a file in one line, without the characters that control a terminal.
 std::string printable(std::string text);
 
+// Prints notes about a file, a line each.
+void printNotes(const std::vector<std::string>& notes);
+
 // Throws CLI::ValidationError if writing `out` would replace `in`.
 void refuseToReplaceInput(const std::string& in, const std::string& out);
 

@@ -10,8 +10,8 @@
 
 #include "bake/fit/bake.h"
 #include "bake/sampling/directions.h"
+#include "bake/scene/builtin.h"
 #include "bake/scene/isolated.h"
-#include "bake/scene/load.h"
 #include "runtime/asset/error.h"
 
 namespace apertura {

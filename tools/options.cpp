@@ -59,6 +59,10 @@ std::vector<const Model*> parseModels(const std::vector<std::string>& names, boo
     return out;
 }
 
+void printNotes(const std::vector<std::string>& notes) {
+    for (const std::string& note : notes) std::printf("  %s\n", printable(note).c_str());
+}
+
 std::string printable(std::string text) {
     for (char& c : text)
         if (uint8_t(c) < 0x20 || c == 0x7F) c = ' ';

@@ -101,20 +101,27 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
 
 BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress,
                           MeshIssues* issues, AutoPlan* plan, FaceReport* report) {
-    if (options.at == At::Vertices) return bakeVertices(scene, tracer, options, progress, issues, plan);
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
     const Recipe& recipe = recipeNamed(options.recipe);
     AutoPlan found{};
-    BakedVisibility out = bakeVertices(scene, tracer, options, part(progress, 0, 0.4), issues, &found);
+    const bool isFitted = recipe.name == "sh";  // by least squares
+    const Progress first = options.at == At::Faces || isFitted ? part(progress, 0, options.at == At::Faces ? 0.4 : 0.8) : progress;
+    BakedVisibility out = bakeVertices(scene, tracer, options, first, issues, &found);
     if (plan) *plan = found;
-    if (issues) issues->large = 0;  // samples on them hold what their vertices cannot
+    if (options.at == At::Vertices && !isFitted) return out;
     const RayOcclusion source(tracer, options.maxDistance);
     const Solids solids(scene, tracer);
     const Prober prober(scene, source, solids, options.rays, options.seed);
     const FitOptions fitOptions{options.tolerance, found.lambda, options.price, scene.isTerrain};
-    Faces faces(scene, prober, out, options.seed, part(progress, 0.4, 0.5));
+    const Progress probing = options.at == At::Faces ? part(progress, 0.4, 0.5) : part(progress, 0.8, 1);
+    Faces faces(scene, prober, out, options.at, options.seed, probing);
     if (faces.empty()) return out;
+    if (options.at == At::Vertices) {
+        if (report) report->rays = prober.rays();
+        return faces.fit();
+    }
+    if (issues) issues->large = 0;  // samples on them hold what their vertices cannot
     FaceOptions wanted;
     wanted.tolerance = options.storageTolerance;
     if (!(wanted.tolerance > 0))
@@ -127,7 +134,7 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     wanted.bytesElsewhere = double(vertices) * wanted.bytesASample + double(triangleCount(scene));
     faces.refine(wanted, part(progress, 0.55, 0.8));
     BakedVisibility fitted = faces.fit();
-    if (recipe.name == "sh") {
+    if (isFitted) {
         out = std::move(fitted);
     } else {
         BakeOptions sampling = options;

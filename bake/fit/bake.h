@@ -52,7 +52,8 @@ std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<cons
 BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress = {},
                              MeshIssues* issues = nullptr, AutoPlan* plan = nullptr);
 
-// Bakes vertices and, where options.at asks for them, samples on faces. The result does not depend on the number of threads. Throws
+// Bakes vertices and, where options.at asks for them, samples on faces. The four numbers of the recipe "sh" are fitted to points all over
+// the faces: Kavan, Bargteil & Sloan, "Least Squares Vertex Baking", 2011. The result does not depend on the number of threads. Throws
 // Cancelled.
 BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress = {},
                           MeshIssues* issues = nullptr, AutoPlan* plan = nullptr, FaceReport* report = nullptr);

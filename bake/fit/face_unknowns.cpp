@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
 
+#include "bake/sampling/classes.h"
 #include "sh/shading.h"
 
 namespace apertura {
@@ -12,23 +12,6 @@ namespace {
 
 constexpr float kSmooth = 0.7f;  // the least cosine between faces that meet smoothly,
 constexpr float kFlat = 0.98f;   // and where each looks about its own normal
-
-// Joins elements into classes.
-class Classes {
-public:
-    explicit Classes(size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-    uint32_t find(uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(uint32_t a, uint32_t b) {
-        a = find(a), b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<uint32_t> parent_;
-};
 
 }  // namespace
 

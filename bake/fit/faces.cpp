@@ -16,13 +16,15 @@ namespace {
 constexpr double kNoArea = 1e-10;        // a triangle has no area up to this ratio of its area to its squared longest edge
 constexpr float kVertexWeight = 4;       // of what a vertex itself sees, beside a probe: it has four times the rays
 constexpr float kTie = 0.03f;            // how strongly neighbouring samples are drawn together, where a probe's weight is 1
-constexpr double kSkyTolerance = 0.014;  // RMSE of the sky's E, over pi, that storing may add
+constexpr double kSkyTolerance = 0.012;  // RMSE of the sky's E, over pi, that storing may add
 constexpr int kJudgeLights = 24;         // over the hemisphere, of kJudgeRadius degrees
 constexpr double kJudgeRadius = 5;
 constexpr double kFirstGain = 0.5;  // the fraction of its squared error that a triangle is thought to lose by its first refinement
 constexpr double kBulk = 0.2;       // the part of the squared error that one round of refinement aims to remove
-constexpr double kDearest = 0.7;    // how much may be paid for it at most, as a fraction of the bytes that are spent already
-constexpr double kLittle = 131072;  // bytes that are always worth it
+constexpr double kWorth = 0.26;  // the least fraction of the error that must go for a fraction of the bytes spent already: by a tenth more
+                                 // bytes, two in a hundred,
+constexpr double kLittle = 65536;  // where what so many samples take counts as spent
+constexpr int kCoarse = 5;         // lattices up to this level are too coarse, or have too few witnesses, to tell what finer ones will do
 constexpr int kMostRounds = 60;
 constexpr float kInside = 0.05f;  // how far a sample with no probes about it looks from inside its triangle, of the way to its middle
 
@@ -32,6 +34,8 @@ size_t probesFor(int level) {
     return size_t(1.5 * (steps + 1) * (steps + 2));
 }
 size_t witnessesFor(int level) { return std::max(size_t(8), size_t(latticeSteps(level)) * size_t(latticeSteps(level)) / 2); }
+// A face that is refined has a witness for each `mean` square metres, so that none is left as it is because a few err little by chance.
+size_t witnessesOn(double area, double mean) { return size_t(std::min(area / mean, 256.0)); }
 
 int samplesOn(int level) { return level ? latticeSize(latticeSteps(level)) : 0; }
 
@@ -134,6 +138,7 @@ struct Faces::Impl {
     FaceReport report;
     Judge judge;
     double skyWeight = 1;
+    double meanArea = 1;  // of a face, m2
 
     std::span<const Face> facesOf(size_t instance) const {
         return std::span(faces).subspan(firstFace[instance], firstFace[instance + 1] - firstFace[instance]);
@@ -184,6 +189,17 @@ struct Faces::Impl {
         face.open = seen / double(face.probes.size() + face.witnesses.size());
     }
 
+    // Adds witnesses to a face of which a part is buried until one is not, if it may have one.
+    void seekWitness(Face& face) const {
+        constexpr size_t most = 8;
+        if (face.witnesses.empty() || face.open == 0) return;
+        while (face.witnesses.size() < most && isBlind(face)) addProbes(face, 0, face.witnesses.size() + 1);
+    }
+
+    static bool isBlind(const Face& face) {
+        return std::all_of(face.witnesses.begin(), face.witnesses.end(), [](const Probe& p) { return p.buried; });
+    }
+
     // The error that a face has if its lattice is fitted alone.
     double ownError(const Face& face) const {
         const int steps = latticeSteps(face.level);
@@ -221,17 +237,14 @@ struct Faces::Impl {
     // Faces without a witness are thought to err as those of their level that have one.
     void shareErrors() {
         double sum[2]{}, area[2]{};
-        const auto blind = [](const Face& face) {
-            return std::none_of(face.witnesses.begin(), face.witnesses.end(), [](const Probe& p) { return !p.buried; });
-        };
         for (const Face& face : faces)
-            if (face.level <= 1 && !blind(face)) sum[face.level] += face.error * face.area, area[face.level] += face.area;
+            if (face.level <= 1 && !isBlind(face)) sum[face.level] += face.error * face.area, area[face.level] += face.area;
         for (Face& face : faces)
-            if (face.level <= 1 && blind(face)) face.error = area[face.level] > 0 ? sum[face.level] / area[face.level] : 0;
+            if (face.level <= 1 && isBlind(face)) face.error = area[face.level] > 0 ? sum[face.level] / area[face.level] : 0;
     }
 };
 
-Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& vertices, uint32_t seed, const Progress& progress)
+Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& vertices, At at, uint32_t seed, const Progress& progress)
     : impl_(new Impl{scene, prober, vertices, seed, {}, {}, {}, {}}) {
     Impl& impl = *impl_;
     double total = 0;
@@ -248,7 +261,7 @@ Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& ve
         }
     }
     impl.firstFace.push_back(impl.faces.size());
-    const double mean = total / double(std::max<size_t>(impl.faces.size(), 1));
+    impl.meanArea = total / double(std::max<size_t>(impl.faces.size(), 1));
     // Of small faces as many have a witness as there are rays for beside those of the vertices.
     double allVertices = 0;
     for (const SeenByInstance& seen : vertices) allVertices += double(seen.visibility.size());
@@ -258,12 +271,13 @@ Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& ve
         if (counter.stopped()) return;
         for (size_t f = range.begin(); f < range.end(); ++f) {
             Face& face = impl.faces[f];
-            const double size = std::sqrt(face.area / mean);
-            const bool isSmall = size < 1.5 && hashUnit(seed, f, 23) > std::max(size - 0.5, witnessed);
+            const double size = std::sqrt(face.area / impl.meanArea);
+            const bool isSmall = at == At::Vertices || (size < 1.5 && hashUnit(seed, f, 23) > std::max(size - 0.5, witnessed));
             impl.addProbes(face, size_t(std::clamp(std::ceil(1.5 * size), 1.0, 24.0)),
                            isSmall ? 0 : size_t(std::clamp(size < 1.5 ? 1 : 2 * size, 1.0, 24.0)));
+            impl.seekWitness(face);
             // What its vertices see is of another hemisphere than its own.
-            if (face.leans && face.open > 0) {
+            if (at == At::Faces && face.leans && face.open > 0) {
                 face.level = 1;
                 impl.addProbes(face, probesFor(1), 0);
             }
@@ -285,6 +299,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
     impl.measure();
     double area = 0, whole = 0, bytes = options.bytesElsewhere;
     for (const Face& face : impl.faces) area += face.area * face.open, whole += face.area;
+    const double little = kLittle * options.bytesASample;
     const double allowed = options.tolerance * options.tolerance * area;
     for (const Face& face : impl.faces) bytes += options.bytesASample * samplesOn(face.level);
     bool full = false;
@@ -315,24 +330,17 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
         std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.worth > b.worth; });
         // A part of the error at a time, so that what is refined further in vain, or need not be, shows before more is spent.
         std::vector<size_t> chosen;
-        const double spent = bytes;
-        double fine = 0;  // bytes of fine lattices
-        const double enough = std::max(allowed, (1 - kBulk) * error);
+        const double enough = std::max(allowed, (1 - kBulk) * error), least = kWorth * error / std::max(bytes, little);
         for (const Step& step : steps) {
             if (error <= enough) break;
-            if (options.maxBytes > 0 && bytes + step.cost > options.maxBytes) {
-                full = true;
-                continue;
-            }
+            // Where bytes remove so little, the rest of the error is not one of too few samples.
+            if (step.worth < least) break;
+            if (options.maxBytes > 0 && bytes + step.cost > options.maxBytes) continue;
             bytes += step.cost;
-            if (impl.faces[step.face].level > 2) fine += step.cost;
-            if (fine > kDearest * std::max(spent, kLittle)) break;
             error -= step.gain;
             chosen.push_back(step.face);
         }
-        if (chosen.empty()) break;
-        // Where so many bytes more remove no more than that, the rest of the error is not one of too few samples.
-        if (fine > kDearest * std::max(spent, kLittle)) {
+        if (chosen.empty()) {
             full = true;
             break;
         }
@@ -340,11 +348,10 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
             for (size_t c = range.begin(); c < range.end(); ++c) {
                 Face& face = impl.faces[chosen[c]];
                 ++face.level;
-                impl.addProbes(face, probesFor(face.level), witnessesFor(face.level));
+                impl.addProbes(face, probesFor(face.level), std::max(witnessesFor(face.level), witnessesOn(face.area, impl.meanArea)));
                 const double before = face.error;
                 face.error = impl.ownError(face);
-                // The first lattices are too coarse to tell what finer ones will do.
-                face.gain = std::clamp(1 - face.error / before, face.level <= 2 ? 0.3 : 0.05, 0.75);
+                face.gain = std::clamp(1 - face.error / before, face.level <= kCoarse ? 0.3 : 0.1, 0.75);
             }
         });
     }

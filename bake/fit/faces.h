@@ -26,8 +26,9 @@ struct FaceReport {
 // The triangles of a scene with their probes, and how finely each is to be sampled.
 class Faces {
 public:
-    // Traces the first probes. `vertices`: what these see. All must outlive it. Throws Cancelled.
-    Faces(const Scene& scene, const Prober& prober, const BakedVisibility& vertices, uint32_t seed, const Progress& progress);
+    // Traces the first probes. `vertices`: what these see. All must outlive it. Of At::Vertices, no face is to have samples. Throws
+    // Cancelled.
+    Faces(const Scene& scene, const Prober& prober, const BakedVisibility& vertices, At at, uint32_t seed, const Progress& progress);
     ~Faces();
 
     bool empty() const;  // no triangle has an area

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "bake/sampling/directions.h"
-#include "bake/scene/load.h"
+#include "bake/scene/builtin.h"
 
 namespace apertura {
 namespace {

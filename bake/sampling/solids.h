@@ -18,9 +18,9 @@ inline glm::dvec3 rayOrigin(const Tracer& tracer, const SurfacePoint& point) {
     return point.position + tracer.offset(point.position, point.longest) * glm::dvec3(point.normal);
 }
 
-// Takes faces for the skins of solids: a point that sees the back of one is inside. Two-sided materials, and triangles
-// with a twin that faces the other way, are no skins. A ground that goes on behind a one-sided wall counts as inside of
-// it.
+// Takes faces for the skins of solids: a point that sees the back of one is inside. Triangles with a twin that faces the other way are no
+// skins; nor are parts of two-sided materials, but those whose backs see next to nothing but backs: most programs export solids so, too.
+// A ground that goes on behind a one-sided wall counts as inside of it.
 class Solids {
 public:
     // Both must outlive it.
@@ -30,17 +30,25 @@ public:
     // How many of `probes` rays over the point's hemisphere, rotated by `spin` radians, see the back of a face.
     int backsSeen(const SurfacePoint& point, double spin, int probes = kProbes) const;
 
+    // Parts of two-sided materials that are taken for skins.
+    size_t closedParts() const { return closed_; }
+
     // True where the straight way from one point to another leads out through the back of a face.
     bool comesOut(const SurfacePoint& from, const SurfacePoint& to) const;
 
 private:
     bool isBack(const Hit& hit) const {
-        return hit.back && !twoSided_[size_t(scene_.instances[size_t(hit.instance)].surface)][size_t(hit.triangle)];
+        const std::vector<bool>& thin = thin_[size_t(hit.instance)];
+        return hit.back && !(thin.empty() ? twins_[size_t(scene_.instances[size_t(hit.instance)].surface)] : thin)[size_t(hit.triangle)];
     }
+    void findThin(size_t instance);
 
     const Scene& scene_;
     const Tracer& tracer_;
-    std::vector<std::vector<bool>> twoSided_;  // triangles of each surface
+    std::vector<std::vector<bool>> twins_;  // triangles of each surface
+    std::vector<std::vector<bool>>
+        thin_;  // triangles of each instance of a two-sided material that have nothing behind them; of others: none
+    size_t closed_ = 0;
 };
 
 }  // namespace apertura

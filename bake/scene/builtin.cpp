@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "bake/sampling/directions.h"
-#include "bake/scene/load.h"
+#include "bake/scene/builtin.h"
 #include "bake/scene/shapes.h"
 #include "runtime/asset/error.h"
 
@@ -175,6 +175,7 @@ const Builtin kBuiltins[] = {
     {"colonnade", colonnade},
     {"forest", forest},
     {"statue", statue},
+    {"arcade", makeArcade},
 };
 
 }  // namespace

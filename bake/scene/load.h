@@ -29,17 +29,4 @@ Scene loadMeshFile(const std::string& path);                                    
 Scene loadHeightMap(const std::string& path, const HeightMapOptions& options);  // by OpenImageIO
 Scene makeBuiltin(const std::string& name);                                     // one of builtinNames
 
-// A built-in scene and where the models are measured in it.
-struct BuiltinScene {
-    Scene scene;
-    std::vector<bool> receives;      // one per surface: does it have receivers
-    std::vector<Box> receiverBoxes;  // world, metres: receivers lie in any of these; empty: everywhere
-    bool skyAboveGround = true;      // lights lie above the horizontal; false: above each receiver
-};
-// Generates the scene of the name "builtin:NAME"; nullopt if there is none.
-std::optional<BuiltinScene> findBuiltin(const std::string& name);
-
-// The names of the nine procedural scenes of the charts. Their seeds are fixed: they are the same bytes everywhere.
-const std::vector<std::string>& builtinNames();
-
 }  // namespace apertura

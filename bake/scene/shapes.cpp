@@ -55,6 +55,16 @@ void addPanel(Surface& surface, const dvec3& corner, const dvec3& u, const dvec3
         }
 }
 
+void addPolygon(Surface& surface, std::span<const dvec3> corners) {
+    const auto first = uint32_t(surface.positions.size());
+    const glm::vec3 normal(glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0])));
+    for (const dvec3& corner : corners) {
+        surface.positions.emplace_back(corner);
+        surface.normals.push_back(normal);
+    }
+    for (uint32_t k = 1; k + 1 < corners.size(); ++k) surface.triangles.push_back({first, first + k, first + k + 1});
+}
+
 void addBox(Surface& surface, const dvec3& low, const dvec3& high, double cell, bool bottom) {
     const dvec3 x(high.x - low.x, 0, 0), y(0, high.y - low.y, 0), z(0, 0, high.z - low.z);
     addPanel(surface, {low.x, low.y, high.z}, x, y, cell);

@@ -19,6 +19,12 @@ struct Rect {
 void addPanel(Surface& surface, const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v, double cell,
               std::span<const Rect> holes = {});
 
+// Adds a convex, flat polygon as a fan of triangles. `corners`: 3 or more, counter-clockwise, metres.
+void addPolygon(Surface& surface, std::span<const glm::dvec3> corners);
+inline void addPolygon(Surface& surface, std::initializer_list<glm::dvec3> corners) {
+    addPolygon(surface, std::span(corners.begin(), corners.size()));
+}
+
 // Adds an axis-aligned box in quads of about `cell` metres; without its bottom if `bottom` is false.
 void addBox(Surface& surface, const glm::dvec3& low, const glm::dvec3& high, double cell, bool bottom = true);
 

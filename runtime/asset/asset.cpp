@@ -224,14 +224,13 @@ std::map<std::pair<size_t, size_t>, size_t> findStreams(const Json& described) {
     return out;
 }
 
-// Visibility of split vertices: that of the vertices that they came from.
-SeenByInstance pick(const SeenByInstance& seen, const std::vector<uint32_t>& from) {
-    SeenByInstance out;
-    for (const uint32_t i : from) {
-        out.visibility.push_back(seen.visibility[i]);
-        if (!seen.allParams.empty()) out.allParams.push_back(seen.allParams[i]);
-    }
-    return out;
+// What split vertices have: that of the vertices that they came from.
+template <typename T>
+void pick(std::vector<T>& all, const std::vector<uint32_t>& from) {
+    if (all.empty()) return;
+    std::vector<T> out;
+    for (const uint32_t i : from) out.push_back(all[i]);
+    all = std::move(out);
 }
 
 BakeInfo readInfo(const Json& said, const std::string& name) {
@@ -333,15 +332,20 @@ bool hasVisibility(const Scene& scene) {
     return false;
 }
 
+bool lostVisibility(const Scene& scene) { return scene.document && describedIn(scene.document->json).is_object() && !hasVisibility(scene); }
+
 Asset toAsset(Scene scene) {
     Asset asset;
-    if (!hasVisibility(scene)) throw Error(scene.name + ": holds no baked visibility; make it with `apertura bake`");
+    if (!hasVisibility(scene))
+        throw Error(scene.name + ": holds no baked visibility" + (lostVisibility(scene) ? " any more" : "")
+                    + "; make it with `apertura bake`");
     const GltfDocument& document = *scene.document;
     const Json& described = describedIn(document.json);
     if (described.is_object()) asset.info = readInfo(described, scene.name);
     const Model* stored = storedModel(asset.info);
     std::map<std::pair<size_t, size_t>, size_t> streams;
     if (stored) streams = findStreams(described);
+    std::vector<std::vector<glm::vec4>> atVertices;  // of each instance, as stored
     for (const Instance& instance : scene.instances) {
         const size_t mesh = document.json["nodes"][size_t(instance.node)]["mesh"].get<size_t>();
         const Json& attributes = document.json["meshes"][mesh]["primitives"][size_t(instance.primitive)]["attributes"];
@@ -356,10 +360,12 @@ Asset toAsset(Scene scene) {
         asset.info.bits = wide ? 16 : 8;
         const glm::mat3 rotation = rotationPart(instance.toWorld);
         const Surface& surface = scene.surfaces[size_t(instance.surface)];
-        std::vector<Visibility> points(values.size() / 4);
-        for (size_t i = 0; i < points.size(); ++i) {
-            points[i] = unpack(glm::vec4(values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]));
-            points[i].direction = rotation * points[i].direction;
+        std::vector<glm::vec4>& stores = atVertices.emplace_back();
+        std::vector<Visibility> points;
+        for (size_t i = 0; i + 3 < values.size(); i += 4) {
+            stores.emplace_back(values[i], values[i + 1], values[i + 2], values[i + 3]);
+            points.push_back(unpack(stores.back()));
+            points.back().direction = rotation * points.back().direction;
         }
         asset.seen.push_back({std::move(points), {}, {}});
         SeenByInstance& seen = asset.seen.back();
@@ -376,10 +382,13 @@ Asset toAsset(Scene scene) {
             }
         }
         // Normals were removed from the baked file, and reading it split vertices: all parts of a vertex see the same.
-        if (!surface.splitFrom.empty()) seen = pick(seen, surface.splitFrom);
+        if (surface.splitFrom.empty()) continue;
+        pick(seen.visibility, surface.splitFrom);
+        pick(seen.allParams, surface.splitFrom);
+        pick(stores, surface.splitFrom);
     }
     asset.scene = std::move(scene);
-    readFaces(asset, described);
+    readFaces(asset, described, atVertices);
     return asset;
 }
 

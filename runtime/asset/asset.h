@@ -77,6 +77,9 @@ void writeAsset(const std::string& path, const Scene& scene, const BakedVisibili
 // True if the scene came from a glTF file that holds visibility.
 bool hasVisibility(const Scene& scene);
 
+// True if it came from one that was baked and has lost its visibility since, to a program that does not keep what it does not know.
+bool lostVisibility(const Scene& scene);
+
 // Takes the visibility out of a scene that was read from a glTF file. Throws Error naming the scene if it has none or if
 // what is stored is damaged.
 Asset toAsset(Scene scene);

@@ -23,7 +23,9 @@ struct Hash {
     void add(uint32_t word) { value = (value ^ word) * 0x100000001b3ull; }
 };
 
-std::string hashOfTriangles(const Scene& scene) {
+// `atVertices`: of each instance, the numbers in the file, -1..1.
+std::string hashOfTriangles(const Scene& scene, std::span<const std::vector<glm::vec4>> atVertices, int bits) {
+    const float top = bits == 16 ? 32767 : 127;
     std::vector<uint64_t> surfaces;
     for (const Surface& surface : scene.surfaces) {
         Hash hash;
@@ -38,9 +40,12 @@ std::string hashOfTriangles(const Scene& scene) {
         surfaces.push_back(hash.value);
     }
     Hash hash;
-    for (const Instance& instance : scene.instances) {
-        const uint64_t own = surfaces[size_t(instance.surface)];
-        hash.add(uint32_t(own)), hash.add(uint32_t(own >> 32));
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const auto surface = size_t(scene.instances[i].surface);
+        hash.add(uint32_t(surfaces[surface])), hash.add(uint32_t(surfaces[surface] >> 32));
+        for (const auto& t : scene.surfaces[surface].triangles)
+            for (const uint32_t v : t)
+                for (int c = 0; c < 4; ++c) hash.add(uint32_t(std::lround(atVertices[i][v][c] * top)));
     }
     char text[17];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash.value));
@@ -105,6 +110,7 @@ void SeenOnFaces::setLevels(std::vector<uint8_t> all, bool withParams) {
 
 Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& seen, const Model* stored, int bits) {
     Bytes levels, samples, numbers;
+    std::vector<std::vector<glm::vec4>> atVertices;
     Json lengths = Json::array();
     size_t count = 0;
     for (size_t i = 0; i < seen.size(); ++i) {
@@ -113,6 +119,11 @@ Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& see
         levels.insert(levels.end(), faces.levels.begin(), faces.levels.end());
         levels.resize(levels.size() + scene.surfaces[size_t(scene.instances[i].surface)].triangles.size() - faces.levels.size());
         const glm::mat3 toLocal = glm::transpose(rotationPart(scene.instances[i].toWorld));
+        atVertices.emplace_back();
+        for (const Visibility& v : seen[i].visibility) {
+            const Visibility local{toLocal * v.direction, v.area};
+            atVertices.back().push_back(bits == 16 ? normalised(pack16(local)) : normalised(pack8(local)));
+        }
         for (const Visibility& v : faces.visibility) {
             const Visibility local{toLocal * v.direction, v.area};
             if (bits == 16)
@@ -139,7 +150,7 @@ Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& see
         {{"name", kSamples}, {"componentType", bits == 16 ? kShort : kByte}, {"normalized", true}, {"type", "VEC4"}, {"count", count}},
         std::move(samples), kNoTarget);
     if (!numbers.empty()) bytesAccessor(kNumbers, std::move(numbers));
-    Json out{{"triangles", hashOfTriangles(scene)}};
+    Json out{{"triangles", hashOfTriangles(scene, atVertices, bits)}};
     if (stored) out["numbers"] = lengths;
     return out;
 }
@@ -154,17 +165,21 @@ std::set<size_t> removeFaces(Json& json) {
     return out;
 }
 
-void readFaces(Asset& asset, const Json& described) {
+void readFaces(Asset& asset, const Json& described, std::span<const std::vector<glm::vec4>> atVertices) {
     const Scene& scene = asset.scene;
     const GltfDocument& document = *scene.document;
+    const std::optional<size_t> levelsAt = findAccessor(document.json, kLevels), samplesAt = findAccessor(document.json, kSamples);
     const Json& said = listOf(described, "faces");
-    if (!said.is_object() || said.empty()) return;
     const auto withoutFaces = [&](const char* why) {
+        asset.info.at = "vertices";
         asset.scene.notes.push_back(std::string("its samples on faces ") + why + ": its vertices' visibility alone is used");
     };
-    const std::optional<size_t> levelsAt = findAccessor(document.json, kLevels), samplesAt = findAccessor(document.json, kSamples);
+    if (!said.is_object() || said.empty()) {
+        if (levelsAt || samplesAt) withoutFaces("lack what they belong to");
+        return;
+    }
     if (!levelsAt || !samplesAt) return withoutFaces("are gone");
-    if (said.value("triangles", Json()) != hashOfTriangles(scene))
+    if (said.value("triangles", Json()) != hashOfTriangles(scene, atVertices, asset.info.bits))
         return withoutFaces("belong to other triangles, or to these in another order");
 
     const auto damaged = [&](const char* how) { return Error(scene.name + ": its samples on faces " + how); };

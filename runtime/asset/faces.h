@@ -4,8 +4,8 @@
 //   _VISIBILITY_LEVELS   SCALAR UNSIGNED_BYTE, one per triangle: SeenOnFaces::levels; sparse where few are not 0
 //   _VISIBILITY_SAMPLES  VEC4 as _VISIBILITY, one per sample
 //   _VISIBILITY_NUMBERS  SCALAR UNSIGNED_BYTE: the bytes of params_stream.h, instance after instance, if a model is stored
-// asset.extras.apertura.faces says what they belong to: "triangles", a hash of all corners in order, and "numbers", the bytes of each
-// instance.
+// asset.extras.apertura.faces says what they belong to: "triangles", a hash of all corners in order, their places and what is stored there,
+// so that even instances of one mesh are not taken for each other; and "numbers", the bytes of each instance.
 #include "runtime/asset/asset.h"
 #include "runtime/asset/gltf_writer.h"
 
@@ -19,7 +19,8 @@ std::set<size_t> removeFaces(Json& json);
 
 // Reads `asset.seen[i].faces`. Where the accessors are gone or the triangles are not those that were baked, it adds a line to the scene's
 // notes and leaves the faces empty. Throws Error naming the scene if what is there is damaged.
-void readFaces(Asset& asset, const Json& described);
+//   atVertices  of each instance, what its vertices store, -1..1
+void readFaces(Asset& asset, const Json& described, std::span<const std::vector<glm::vec4>> atVertices);
 
 // What the samples on faces take in the file, bytes.
 size_t bytesOfFaces(const Scene& scene, const BakedVisibility& seen, const Model* stored, int bits);
