@@ -13,18 +13,19 @@
 namespace apertura {
 namespace {
 
-constexpr double kNoArea = 1e-10;        // a triangle has no area up to this ratio of its area to its squared longest edge
-constexpr float kVertexWeight = 4;       // of what a vertex itself sees, beside a probe: it has four times the rays
-constexpr float kTie = 0.03f;            // how strongly neighbouring samples are drawn together, where a probe's weight is 1
-constexpr double kSkyTolerance = 0.012;  // RMSE of the sky's E, over pi, that storing may add
-constexpr int kJudgeLights = 24;         // over the hemisphere, of kJudgeRadius degrees
+constexpr double kNoArea = 1e-10;            // a triangle has no area up to this ratio of its area to its squared longest edge
+constexpr float kVertexWeight = 4;           // of what a vertex itself sees, beside a probe: it has four times the rays
+constexpr float kTies[] = {0.03f, 0.5f, 8};  // how strongly neighbouring samples may be drawn together, where a probe's weight is 1
+constexpr double kSkyTolerance = 0.012;      // RMSE of the sky's E, over pi, that storing may add
+constexpr int kJudgeLights = 24;             // over the hemisphere, of kJudgeRadius degrees
 constexpr double kJudgeRadius = 5;
 constexpr double kFirstGain = 0.5;  // the fraction of its squared error that a triangle is thought to lose by its first refinement
 constexpr double kBulk = 0.2;       // the part of the squared error that one round of refinement aims to remove
-constexpr double kWorth = 0.26;  // the least fraction of the error that must go for a fraction of the bytes spent already: by a tenth more
-                                 // bytes, two in a hundred,
+constexpr double kWorth = 0.4;  // the least fraction of the error that must go for a fraction of the bytes spent already: by a tenth more
+                                // bytes, four in a hundred,
 constexpr double kLittle = 65536;  // where what so many samples take counts as spent
 constexpr int kCoarse = 5;         // lattices up to this level are too coarse, or have too few witnesses, to tell what finer ones will do
+constexpr double kShared = 3;      // witnesses that the mean of a level's faces counts as
 constexpr int kMostRounds = 60;
 constexpr float kInside = 0.05f;  // how far a sample with no probes about it looks from inside its triangle, of the way to its middle
 
@@ -44,6 +45,7 @@ struct Face {
     double area;  // m2
     bool leans;   // see leansFrom
     int level = 0;
+    float tie = kTies[0];  // of kTies, that with which its lattice errs least
     std::vector<Probe> probes, witnesses;
     double error = 0;          // mean square, by the witnesses that are not buried
     double gain = kFirstGain;  // of its squared error, what a refinement is thought to take away
@@ -116,7 +118,7 @@ LeastSquares equationsOf(const Unknowns& unknowns, std::span<const Face> faces, 
             if (!probe.buried) out.add(unknowns.point(face.triangle, probe.weights), probe.mean());
         const auto tie = [&](int a, int b) {
             const auto from = unknowns.sample(face.triangle, a), to = unknowns.sample(face.triangle, b);
-            if (from.size() == 1 && to.size() == 1 && from[0].first != to[0].first) out.tie(from[0].first, to[0].first, kTie);
+            if (from.size() == 1 && to.size() == 1 && from[0].first != to[0].first) out.tie(from[0].first, to[0].first, face.tie);
         };
         if (face.level == 0)
             tie(0, 1), tie(1, 2), tie(2, 0);
@@ -200,13 +202,19 @@ struct Faces::Impl {
         return std::all_of(face.witnesses.begin(), face.witnesses.end(), [](const Probe& p) { return p.buried; });
     }
 
-    // The error that a face has if its lattice is fitted alone.
-    double ownError(const Face& face) const {
+    // Sets a face's error and tie as they are if its lattice is fitted alone.
+    void fitAlone(Face& face) const {
+        face.error = ownError(face, face.tie = kTies[0]);
+        for (const float tie : kTies)
+            if (const double error = ownError(face, tie); error < face.error) face.error = error, face.tie = tie;
+    }
+
+    double ownError(const Face& face, float tie) const {
         const int steps = latticeSteps(face.level);
         LeastSquares equations(size_t(latticeSize(steps)));
         for (const Probe& probe : face.probes)
             if (!probe.buried) equations.add(termsOf(latticeCell(probe.weights, steps)), probe.mean());
-        forNeighbours(steps, [&](int a, int b) { equations.tie(uint32_t(a), uint32_t(b), kTie); });
+        forNeighbours(steps, [&](int a, int b) { equations.tie(uint32_t(a), uint32_t(b), tie); });
         return errorOf(face, equations.solve());
     }
 
@@ -234,13 +242,18 @@ struct Faces::Impl {
         shareErrors();
     }
 
-    // Faces without a witness are thought to err as those of their level that have one.
+    // What few witnesses say is drawn towards what all faces of the level err: of those that were left as they are, most were so because
+    // their witnesses happened to see little. A face without a witness is thought to err as the others do.
     void shareErrors() {
-        double sum[2]{}, area[2]{};
+        double sum[MAX_LATTICE_LEVEL + 1]{}, area[MAX_LATTICE_LEVEL + 1]{};
         for (const Face& face : faces)
-            if (face.level <= 1 && !isBlind(face)) sum[face.level] += face.error * face.area, area[face.level] += face.area;
-        for (Face& face : faces)
-            if (face.level <= 1 && isBlind(face)) face.error = area[face.level] > 0 ? sum[face.level] / area[face.level] : 0;
+            if (!isBlind(face)) sum[face.level] += face.error * face.area, area[face.level] += face.area;
+        for (Face& face : faces) {
+            if (!(area[face.level] > 0)) continue;
+            const auto seeing = double(
+                std::count_if(face.witnesses.begin(), face.witnesses.end(), [](const Probe& p) { return !p.buried; }));
+            face.error = (seeing * face.error + kShared * sum[face.level] / area[face.level]) / (seeing + kShared);
+        }
     }
 };
 
@@ -350,7 +363,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
                 ++face.level;
                 impl.addProbes(face, probesFor(face.level), std::max(witnessesFor(face.level), witnessesOn(face.area, impl.meanArea)));
                 const double before = face.error;
-                face.error = impl.ownError(face);
+                impl.fitAlone(face);
                 face.gain = std::clamp(1 - face.error / before, face.level <= kCoarse ? 0.3 : 0.1, 0.75);
             }
         });
