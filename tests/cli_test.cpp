@@ -443,7 +443,7 @@ TEST(Cli, StabilityLeavesTablesAndCharts) {
                               + " --models oat,aperture --inputs 20000 --device-inputs 500 --receivers 1 >" + (folder / "log") + " 2>&1";
     const int status = std::system(command.c_str());
     ASSERT_EQ(WEXITSTATUS(status), 0) << slurp(folder / "log");
-    for (const char* table : {"sweeps.csv", "scenes.csv", "map.csv", "counts.csv", "decode.csv", "mixing.csv", "half.csv"})
+    for (const char* table : {"sweeps.csv", "scenes.csv", "map.csv", "counts.csv", "decode.csv", "mixing.csv", "half.csv", "seams.csv"})
         EXPECT_GE(lines(slurp(out + "/" + table)), 3) << table;
     for (const char* picture :
          {"sweep-errors.png", "sweep-steps.svg", "scene-steps.png", "failures.png", "decode.png", "mixing.png", "half.png"})

@@ -7,6 +7,7 @@
 
 #include "bake/fit/least_squares.h"
 #include "bake/measure/measure.h"
+#include "bake/measure/seams.h"
 #include "bake/scene/load.h"
 #include "bake/scene/shapes.h"
 #include "runtime/asset/error.h"
@@ -346,6 +347,48 @@ TEST(BakeScene, KeepsWithinItsBytes) {
         EXPECT_GT(report.samples, 50u) << recipe;
         EXPECT_GT(report.unmet, 0) << recipe;
     }
+}
+
+TEST(Seams, AreWhatSamplesOnTheTwoSidesDiffer) {
+    // Two triangles of one plane, of unequal density, open and closed: every light but what lies below jumps by all that it is.
+    Scene scene = boxOnFloor();
+    scene.instances = {{0}};
+    Asset asset{scene, {}, {}};
+    const Visibility open{{0, float(pi), 0}, float(2 * pi)}, closed{glm::vec3(0), 0};
+    asset.seen.push_back({std::vector<Visibility>(4, open), {}, {}});
+    SeenOnFaces& faces = asset.seen[0].faces;
+    faces.setLevels({2, 3}, false);
+    const auto fill = [&](size_t from, size_t to, const Visibility& v) {
+        std::fill(faces.visibility.begin() + ptrdiff_t(from), faces.visibility.begin() + ptrdiff_t(to), v);
+    };
+    fill(0, faces.visibility.size(), open);
+    const std::vector<const Model*> soft{findModel("soft")};
+    for (const Seam& seam : measureSeams(asset, soft, {1}, 10, 1)) {
+        EXPECT_EQ(seam.edges, seam.unequal ? 1u : 0u);
+        EXPECT_LT(seam.max, 1e-5);
+    }
+    fill(faces.first[1], faces.visibility.size(), closed);
+    const Seam seam = measureSeams(asset, soft, {1}, 10, 1)[1];
+    EXPECT_NEAR(seam.max, 1, 0.05);
+    EXPECT_NEAR(seam.rms, std::sqrt(1 / 3.0), 0.03);  // of the cosine over the hemisphere
+}
+
+TEST(Seams, OfABakedSceneAreThoseOfItsBytes) {
+    const Scene scene = boxOnFloor();
+    const Folder folder;
+    BakeOptions options;
+    options.rays = 64;
+    Asset asset{scene, bakeScene(scene, Tracer(scene), options), {}};
+    asset.info.at = "faces";
+    size_t unequal = 0;
+    const std::vector<const Model*> soft{findModel("soft")};
+    for (const Seam& seam : measureSeams(asset, soft, {5}, 100, 1)) {
+        unequal += seam.unequal ? seam.edges : 0;
+        EXPECT_LT(seam.max, 2e-3) << seam.unequal;
+    }
+    EXPECT_GT(unequal, 0u);
+    writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
+    for (const Seam& seam : measureSeams(readAsset(folder / "a.glb"), soft, {5}, 100, 1)) EXPECT_LT(seam.max, 0.05) << seam.unequal;
 }
 
 // The device draws what receiverAt has: here, samples on faces that lie on the line between the vertices.

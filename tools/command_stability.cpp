@@ -7,8 +7,10 @@
 #include <optional>
 #include <sstream>
 
+#include "bake/fit/bake.h"
 #include "bake/measure/fuzz.h"
 #include "bake/measure/scene_steps.h"
+#include "bake/measure/seams.h"
 #include "bake/measure/storage_errors.h"
 #include "bake/scene/builtin.h"
 #include "runtime/asset/error.h"
@@ -87,6 +89,28 @@ std::string mixingCsv(const std::vector<MixingError>& rows) {
     return out.str();
 }
 
+// Where the faces of builtin:arcade meet, by all models that its samples give.
+std::vector<Seam> arcadeSeams(const std::vector<const Model*>& asked, uint32_t seed, const Progress& progress) {
+    Asset asset{makeBuiltin("arcade"), {}, {}};
+    BakeOptions options;
+    options.seed = seed;
+    asset.seen = bakeScene(asset.scene, Tracer(asset.scene), options, progress);
+    std::vector<const Model*> drawn;
+    for (const Model* model : asked)
+        if (model->fromVisibility && !model->baseline) drawn.push_back(model);
+    return measureSeams(asset, drawn, {0.27, 5}, 2000, seed);
+}
+
+std::string seamsCsv(const std::vector<Seam>& rows) {
+    std::ostringstream out;
+    out.precision(5);
+    out << "model,light_radius_deg,densities,edges,rms,max\n";
+    for (const Seam& r : rows)
+        out << r.model << ',' << r.radius << ',' << (r.unequal ? "unequal" : "equal") << ',' << r.edges << ',' << r.rms << ',' << r.max
+            << '\n';
+    return out.str();
+}
+
 std::string halfCsv(const std::vector<HalfError>& rows) {
     std::ostringstream out;
     out << "model,baseline,light_radius_deg,lights,not_finite,rms,max\n";
@@ -155,6 +179,7 @@ void run(const Arguments& a) {
     std::vector<FailurePoint> map;
     std::vector<MixingError> mixing;
     std::vector<HalfError> halves;
+    std::vector<Seam> seams;
     std::vector<ModelReport> reports;
     {
         ProgressBar bar("sweeping");
@@ -195,8 +220,9 @@ void run(const Arguments& a) {
                 for (ModelReport& report : reports)
                     if (report.model->name == step.model) report.sceneStep = std::max(report.sceneStep, step.step);
             }
-            show(0.8 + 0.2 * double(s + 1) / double(scenes.size()));
+            show(0.8 + 0.15 * double(s + 1) / double(scenes.size()));
         }
+        seams = arcadeSeams(asked, a.seed, part(progress, 0.95, 1));
     }
     if (interrupted()) throw Cancelled{};
     writeTextFile(sweeps, sweepsCsv(rows));
@@ -206,6 +232,7 @@ void run(const Arguments& a) {
     writeTextFile(a.out + "/decode.csv", decodeCsv());
     writeTextFile(a.out + "/mixing.csv", mixingCsv(mixing));
     writeTextFile(a.out + "/half.csv", halfCsv(halves));
+    writeTextFile(a.out + "/seams.csv", seamsCsv(seams));
     print(reports);
     drawCharts(APERTURA_STABILITY_CHARTS, a.out, "the tables are there, the charts are not");
 }
@@ -216,7 +243,8 @@ void addStabilityCommand(CLI::App& program) {
     auto a = std::make_shared<Arguments>();
     CLI::App& command = *program.add_subcommand("stability", "where each model breaks: singular configurations, hostile numbers, flashes");
     command.footer(
-        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv, decode.csv, mixing.csv, half.csv and charts of them. What was published, and "
+        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv, decode.csv, mixing.csv, half.csv, seams.csv and charts of them. What was "
+        "published, and "
         "the rivals, are marked as\n"
         "baselines: they stay as they are.\n"
         "Example: apertura stability -o stability");

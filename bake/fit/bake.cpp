@@ -127,6 +127,7 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     if (!(wanted.tolerance > 0))
         wanted.tolerance = kStorageShare * ownErrorOf(scene, source, solids, options, fitOptions, part(progress, 0.5, 0.55));
     wanted.maxBytes = options.maxBytes;
+    wanted.isFitted = isFitted;
     size_t vertices = 0;
     for (const SeenByInstance& seen : out) vertices += seen.visibility.size();
     const double extra = recipe.model == MODEL_AUTO ? 4 : recipe.model >= 0 ? storedNumbers(models()[size_t(recipe.model)]) : 0;

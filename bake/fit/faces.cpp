@@ -21,11 +21,11 @@ constexpr int kJudgeLights = 24;             // over the hemisphere, of kJudgeRa
 constexpr double kJudgeRadius = 5;
 constexpr double kFirstGain = 0.5;  // the fraction of its squared error that a triangle is thought to lose by its first refinement
 constexpr double kBulk = 0.2;       // the part of the squared error that one round of refinement aims to remove
-constexpr double kWorth = 0.4;  // the least fraction of the error that must go for a fraction of the bytes spent already: by a tenth more
-                                // bytes, four in a hundred,
-constexpr double kLittle = 65536;  // where what so many samples take counts as spent
-constexpr int kCoarse = 5;         // lattices up to this level are too coarse, or have too few witnesses, to tell what finer ones will do
-constexpr double kShared = 3;      // witnesses that the mean of a level's faces counts as
+constexpr double kWorth = 0.4;      // the least fraction of the squared error that must go for a fraction of the bytes spent already: by a
+                                    // tenth more bytes, four in a hundred,
+constexpr double kLittle = 65536;   // where what so many samples take counts as spent
+constexpr int kCoarse = 5;          // lattices up to this level are too coarse, or have too few witnesses, to tell what finer ones will do
+constexpr double kShared = 3;       // witnesses that the mean of a level's faces counts as
 constexpr int kMostRounds = 60;
 constexpr float kInside = 0.05f;  // how far a sample with no probes about it looks from inside its triangle, of the way to its middle
 
@@ -203,8 +203,9 @@ struct Faces::Impl {
     }
 
     // Sets a face's error and tie as they are if its lattice is fitted alone.
-    void fitAlone(Face& face) const {
+    void fitAlone(Face& face, bool mayTie) const {
         face.error = ownError(face, face.tie = kTies[0]);
+        if (!mayTie) return;
         for (const float tie : kTies)
             if (const double error = ownError(face, tie); error < face.error) face.error = error, face.tie = tie;
     }
@@ -363,7 +364,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
                 ++face.level;
                 impl.addProbes(face, probesFor(face.level), std::max(witnessesFor(face.level), witnessesOn(face.area, impl.meanArea)));
                 const double before = face.error;
-                impl.fitAlone(face);
+                impl.fitAlone(face, options.isFitted);
                 face.gain = std::clamp(1 - face.error / before, face.level <= kCoarse ? 0.3 : 0.1, 0.75);
             }
         });
