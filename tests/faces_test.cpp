@@ -384,7 +384,9 @@ TEST(Seams, OfABakedSceneAreThoseOfItsBytes) {
     const std::vector<const Model*> soft{findModel("soft")};
     for (const Seam& seam : measureSeams(asset, soft, {5}, 100, 1)) {
         unequal += seam.unequal ? seam.edges : 0;
-        EXPECT_LT(seam.max, 2e-3) << seam.unequal;
+        // Along an edge of unequal density the four numbers are the same from both sides; what `soft` makes of them at each sample, and is
+        // mixed between samples, is nearly so.
+        EXPECT_LT(seam.max, seam.unequal ? 0.02 : 1e-4);
     }
     EXPECT_GT(unequal, 0u);
     writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
