@@ -14,6 +14,7 @@
 #include "runtime/asset/faces.h"
 #include "runtime/asset/gltf_document.h"
 #include "runtime/asset/receiver.h"
+#include "runtime/render/geometry.h"
 #include "runtime/render/renderer.h"
 #include "tests/support.h"
 
@@ -432,6 +433,37 @@ TEST(FaceSamples, AreDrawn) {
     double most = 0;
     for (size_t i = 0; i < a.pixels.size(); ++i) most = std::max(most, double(std::abs(a.pixels[i].g - b.pixels[i].g)));
     EXPECT_GT(most, 0.05);
+}
+
+// What a device cannot bind at once is drawn in parts: here none of them may have more than 18 vertices or 32 samples.
+TEST(FaceSamples, AreDrawnInPartsAsInOne) {
+    const Scene scene = boxOnFloor();
+    const Asset asset = anyAsset(scene, "firm-2", 7);
+    const Gpu large({.validate = true}), small({.validate = true, .largestBuffer = 4096});
+    EXPECT_LT(splitGeometry(asset, {SIZE_MAX, SIZE_MAX, SIZE_MAX}).size(), 2u);
+    const std::vector<GeometryPart> parts = splitGeometry(asset, {18, 32, 256});
+    EXPECT_GT(parts.size(), 3u);
+    size_t triangles = 0;
+    for (const GeometryPart& part : parts) {
+        triangles += part.triangles;
+        EXPECT_TRUE(part.triangles == 1 || (part.vertices <= 18 && part.vertices + part.faceSamples <= 32));
+        EXPECT_EQ(verticesOf(asset, part).size(), part.vertices);
+        EXPECT_EQ(indicesOf(asset, part, true).size(), 4 * part.triangles);
+    }
+    EXPECT_EQ(triangles, triangleCount(scene));
+    Renderer whole(large, asset), split(small, asset);
+    View view;
+    view.camera = {{7, 6, 9}, {0, 0.5f, 0}};
+    view.width = 160, view.height = 90;
+    view.lights = {directionalLight({0.4f, 0.8f, 0.3f}, 0.1, glm::vec3(2))};
+    const Model &soft = *findModel("soft"), &firm = *findModel("firm-2");
+    EXPECT_TRUE(whole.draw(view, soft).pixels == split.draw(view, soft).pixels);
+    EXPECT_TRUE(whole.draw(view, firm).pixels == split.draw(view, firm).pixels);
+    EXPECT_TRUE(whole.draw(view, firm, LightAt::Vertices).pixels == split.draw(view, firm, LightAt::Vertices).pixels);
+    EXPECT_TRUE(whole.drawShadowMapped(view).pixels == split.drawShadowMapped(view).pixels);
+    EXPECT_FALSE(whole.draw(view, soft).pixels == whole.draw(view, firm).pixels);
+    for (const Gpu* gpu : {&large, &small})
+        for (const std::string& message : gpu->messages()) ADD_FAILURE() << message;
 }
 
 }  // namespace

@@ -41,8 +41,8 @@ vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, cons
                                                                    .layout = bindings.layout()});
 }
 
-void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, const DrawPass& pass,
-                   uint32_t vertices) {
+DrawPass::DrawPass(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, vk::Pipeline pipeline)
+    : commands_(commands) {
     const bool hasColour = target.colour;
     const vk::RenderingAttachmentInfo colour{.imageView = target.colour,
                                              .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
@@ -62,15 +62,17 @@ void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const
                              .pDepthAttachment = &depth});
     commands.setViewport(0, vk::Viewport{0, 0, float(target.size.width), float(target.size.height), 0, 1});
     commands.setScissor(0, all);
-    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, pass.pipeline);
-    pass.bindings.bind(commands, vk::PipelineBindPoint::eGraphics, pass.offsets);
-    if (pass.indices) {
-        commands.bindIndexBuffer(pass.indices->handle(), 0, vk::IndexType::eUint32);
-        commands.drawIndexed(vertices, 1, 0, 0, 0);
+    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, pipeline);
+}
+
+void DrawPass::draw(const GpuBindings& bindings, std::span<const uint32_t> offsets, uint32_t vertices, const GpuBuffer* indices) const {
+    bindings.bind(commands_, vk::PipelineBindPoint::eGraphics, offsets);
+    if (indices) {
+        commands_.bindIndexBuffer(indices->handle(), 0, vk::IndexType::eUint32);
+        commands_.drawIndexed(vertices, 1, 0, 0, 0);
     } else {
-        commands.draw(vertices, 1, 0, 0);
+        commands_.draw(vertices, 1, 0, 0);
     }
-    commands.endRendering();
 }
 
 Offscreen::Offscreen(const Gpu& gpu, vk::Extent2D size, vk::Format colour)

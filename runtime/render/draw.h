@@ -19,16 +19,22 @@ struct DrawShaders {
 vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour,
                                 vk::PipelineCreateFlags flags = {});
 
-struct DrawPass {
-    vk::Pipeline pipeline;
-    const GpuBindings& bindings;
-    std::span<const uint32_t> offsets;   // bytes, one per dynamic binding
-    const GpuBuffer* indices = nullptr;  // of 32 bits, where vertices are drawn by them
-};
+// A pass over a target, from its construction to its destruction. It clears the images, the colour to `clear` and the depth to 0; the depth
+// is kept only if the target has no colour.
+class DrawPass {
+public:
+    DrawPass(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, vk::Pipeline pipeline);
+    ~DrawPass() { commands_.endRendering(); }
+    DrawPass(const DrawPass&) = delete;
 
-// Clears the images, the colour to `clear` and the depth to 0, and draws `vertices` vertices or, by the pass's indices, as many of these.
-// The depth is kept only if the target has no colour.
-void drawTriangles(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, const DrawPass& pass, uint32_t vertices);
+    // Draws so many vertices or, by 32-bit indices, as many of these.
+    //   bindings  with the layout of the pipeline's
+    //   offsets   bytes, one per dynamic binding
+    void draw(const GpuBindings& bindings, std::span<const uint32_t> offsets, uint32_t vertices, const GpuBuffer* indices = nullptr) const;
+
+private:
+    vk::CommandBuffer commands_;
+};
 
 // A target without a window whose pixels can be read. `colour`: a format of at most 16 bytes per pixel.
 class Offscreen {

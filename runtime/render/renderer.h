@@ -23,15 +23,14 @@ enum class LightAt { Pixels, Vertices };
 // submit meanwhile.
 class Renderer {
 public:
-    // Uploads the geometry.
+    // Uploads the geometry, in parts if the device binds no buffer of its size.
     //   gpu, asset  must outlive the renderer
     //   frames      frames in flight: how many may be recorded before the device has finished the first; 2 is usual
     Renderer(const Gpu& gpu, const Asset& asset, int frames = 2);
     ~Renderer();
 
     // The better of the two: vertices, where the model does not mix, no face has samples of its own, and there are fewer
-    // vertices than corners of so many pixels. `draw`
-    // shades four pixels for one of the picture.
+    // vertices than corners of so many pixels. `draw` shades four pixels for one of the picture.
     LightAt betterLightAt(const Model& model, double pixels) const;
 
     // Uploads a model's parameters and creates its pipelines; does nothing if all exist. It takes up to seconds.
@@ -40,7 +39,7 @@ public:
     //   format      of the target's colour
     //   mostLights  of a frame. 1 makes a faster pipeline, which serves frames of just one light; others any number. At the vertices,
     //               each light takes 4 bytes a vertex and frame
-    // Throws Error if the asset does not hold the model, its parameters are too large for the device, or mostLights is above MAX_LIGHTS.
+    // Throws Error if the asset does not hold the model, the device has too little memory, or mostLights is above MAX_LIGHTS.
     void prepare(const Model& model, int lightClass, VkFormat format, LightAt at = LightAt::Pixels, int mostLights = MAX_LIGHTS);
 
     // Clears the target to the sky and draws the scene over it. Allocates nothing, waits for nothing, compiles nothing.
@@ -63,8 +62,8 @@ public:
     Picture drawShadowMapped(const View& view);
 
 private:
-    struct Parts;
-    std::unique_ptr<Parts> parts_;
+    struct State;
+    std::unique_ptr<State> state_;
 };
 
 // Evaluates a model on the device: x is irradianceThrough, y skyIrradiance, one element per input.

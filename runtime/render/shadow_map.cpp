@@ -23,32 +23,39 @@ GpuBindings::Binding storage(const GpuBuffer& buffer) { return {vk::DescriptorTy
 
 }  // namespace
 
-ShadowMap::ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds,
-                     int frames)
+ShadowMap::ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, std::span<const Part> parts, const Box& bounds, int frames)
     : bounds_(bounds),
       map_(gpu, {kTexels, kTexels}, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eSampled,
            vk::ImageAspectFlagBits::eDepth),
-      seen_(gpu, frames),
-      bindings_(makeBindings(gpu, {lit.binding(kBoth), storage(vertices), storage(indices), seen_.binding(kBoth)}, &map_)),
-      mapBindings_(makeBindings(gpu, {lit.binding(kBoth), storage(vertices), storage(indices), seen_.binding(kBoth)}, nullptr)),
-      mapping_(makePipeline(gpu, {.vertex = shadow_vert}, mapBindings_, vk::Format::eUndefined)) {}
+      seen_(gpu, frames) {
+    for (const Part& part : parts) {
+        const auto shared = {lit.binding(kBoth), storage(part.vertices), storage(part.indices), seen_.binding(kBoth)};
+        parts_.push_back({makeBindings(gpu, shared, &map_), makeBindings(gpu, shared, nullptr), part.indexCount});
+    }
+    mapping_ = makePipeline(gpu, {.vertex = shadow_vert}, parts_[0].mapping, vk::Format::eUndefined);
+}
 
 void ShadowMap::prepare(const Gpu& gpu, VkFormat format) {
     if (!shading_.contains(format))
-        shading_.emplace(format, makePipeline(gpu, {.vertex = scene_vert, .fragment = shadow_frag}, bindings_, vk::Format(format)));
+        shading_.emplace(format, makePipeline(gpu, {.vertex = scene_vert, .fragment = shadow_frag}, parts_[0].shading, vk::Format(format)));
 }
 
-void ShadowMap::record(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame, uint32_t vertices) const {
+void ShadowMap::record(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame) const {
     const auto shading = shading_.find(target.format);
     if (shading == shading_.end()) throw Error("the shadow map is not prepared for this format");
     seen_.set(frame, shadowViewOf(view.lights[0], bounds_));
-    const uint32_t offsets[] = {PerFrame<Frame>::offset(frame), PerFrame<ShadowView>::offset(frame)};
+    const auto draw = [&](const DrawPass& pass, GpuBindings BoundPart::*bindings) {
+        for (size_t i = 0; i < parts_.size(); ++i) {
+            const uint32_t offsets[] = {PerFrame<Frame>::offset(frame * int(parts_.size()) + int(i)), PerFrame<ShadowView>::offset(frame)};
+            pass.draw(parts_[i].*bindings, offsets, parts_[i].indexCount);
+        }
+    };
     // All frames share the map: the barrier makes the device wait until the last frame has read it.
     map_.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eDepthAttachmentOptimal);
     const RenderTarget map{.depth = map_.view(), .size = {kTexels, kTexels}};
-    drawTriangles(commands, map, vec3(0), {*mapping_, mapBindings_, offsets}, vertices);
+    draw({commands, map, vec3(0), **mapping_}, &BoundPart::mapping);
     map_.transition(commands, vk::ImageLayout::eDepthAttachmentOptimal, vk::ImageLayout::eShaderReadOnlyOptimal);
-    drawTriangles(commands, target, view.sky, {*shading->second, bindings_, offsets}, vertices);
+    draw({commands, target, view.sky, *shading->second}, &BoundPart::shading);
 }
 
 }  // namespace apertura

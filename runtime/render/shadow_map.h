@@ -1,6 +1,7 @@
 #pragma once
 // The usual alternative, as a baseline: a shadow map with percentage-closer soft shadows.
 #include <map>
+#include <optional>
 
 #include "runtime/asset/view.h"
 #include "runtime/render/resources.h"
@@ -9,26 +10,36 @@ namespace apertura {
 
 class ShadowMap {
 public:
-    // The first four are the renderer's and must outlive the shadow map.
+    // The renderer's geometry: one of the parts that it is bound in.
+    struct Part {
+        const GpuBuffer& vertices;
+        const GpuBuffer& indices;
+        uint32_t indexCount;
+    };
+
+    // The renderer's buffers must outlive the shadow map.
+    //   lit     of each frame one for each part in turn
     //   bounds  of the scene, world, metres
     //   frames  slots for record()
-    ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, const GpuBuffer& vertices, const GpuBuffer& indices, const Box& bounds,
-              int frames);
+    ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, std::span<const Part> parts, const Box& bounds, int frames);
 
     // Creates the pipeline for targets of this format.
     void prepare(const Gpu& gpu, VkFormat format);
     // Draws the map of the view's one directional light, then the scene with it. Throws Error if the target's format is not
     // prepared.
-    //   frame     0 .. frames - 1
-    //   vertices  to draw, three per triangle
-    void record(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame, uint32_t vertices) const;
+    //   frame  0 .. frames - 1
+    void record(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame) const;
 
 private:
     Box bounds_;
     GpuImage map_;
     PerFrame<ShadowView> seen_;
-    GpuBindings bindings_, mapBindings_;
-    vk::raii::Pipeline mapping_;
+    struct BoundPart {
+        GpuBindings shading, mapping;
+        uint32_t indexCount;
+    };
+    std::vector<BoundPart> parts_;
+    std::optional<vk::raii::Pipeline> mapping_;
     std::map<VkFormat, vk::raii::Pipeline> shading_;
 };
 

@@ -94,7 +94,7 @@ Gpu::Gpu(const GpuOptions& options) : handles_(std::make_unique<GpuHandles>()) {
         const vk::PhysicalDeviceProperties properties = physical.getProperties();
         name_ = properties.deviceName.data();
         largestImage_ = properties.limits.maxImageDimension2D;
-        largestBuffer_ = properties.limits.maxStorageBufferRange;
+        largestBuffer_ = std::min<VkDeviceSize>(properties.limits.maxStorageBufferRange, options.largestBuffer);
         if (properties.limits.timestampComputeAndGraphics) clockTick_ = properties.limits.timestampPeriod * 1e-9;
         hasHalf_ = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>()
                        .get<vk::PhysicalDeviceVulkan12Features>()

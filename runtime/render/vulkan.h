@@ -11,8 +11,9 @@
 namespace apertura {
 
 struct GpuOptions {
-    bool validate = false;    // load VK_LAYER_KHRONOS_validation and keep its messages
-    bool statistics = false;  // enable VK_KHR_pipeline_executable_properties
+    bool validate = false;                    // load VK_LAYER_KHRONOS_validation and keep its messages
+    bool statistics = false;                  // enable VK_KHR_pipeline_executable_properties
+    VkDeviceSize largestBuffer = UINT64_MAX;  // bytes: as if the device bound none that is larger
 };
 
 struct GpuHandles;  // runtime/render/resources.h

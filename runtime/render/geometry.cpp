@@ -1,0 +1,117 @@
+#include "runtime/render/geometry.h"
+
+#include <algorithm>
+#include <array>
+
+#include "runtime/asset/faces.h"
+#include "sh/shading.h"
+
+namespace apertura {
+namespace {
+
+constexpr uint32_t kNone = UINT32_MAX;
+
+const Surface& surfaceOf(const Asset& asset, const GeometryPiece& piece) {
+    return asset.scene.surfaces[size_t(asset.scene.instances[size_t(piece.instance)].surface)];
+}
+
+size_t samplesOn(const SeenOnFaces& faces, size_t triangle) {
+    const int level = faces.level(triangle);
+    return level > 0 ? size_t(latticeSize(latticeSteps(level))) : 0;
+}
+
+glm::vec3 unitNormal(const glm::mat3& normals, const glm::vec3& normal) {
+    const glm::vec3 n = normals * normal;
+    const float length = glm::length(n);
+    return length > 0 ? n / length : glm::vec3(0, 1, 0);
+}
+
+}  // namespace
+
+std::vector<GeometryPart> splitGeometry(const Asset& asset, const PartLimits& limits) {
+    std::vector<GeometryPart> parts(1);
+    for (size_t i = 0; i < asset.scene.instances.size(); ++i) {
+        const Surface& surface = asset.scene.surfaces[size_t(asset.scene.instances[i].surface)];
+        const SeenOnFaces& faces = asset.seen[i].faces;
+        std::vector<uint32_t> vertexInPart(surface.positions.size(), kNone);
+        const auto begin = [&](size_t triangle) { parts.back().pieces.push_back({int(i), triangle, {}, {}}); };
+        begin(0);
+        for (size_t t = 0; t < surface.triangles.size(); ++t) {
+            const std::array<uint32_t, 3>& corners = surface.triangles[t];
+            const auto isNew = [&](uint32_t v) { return vertexInPart[v] == kNone; };
+            const size_t more = size_t(std::count_if(corners.begin(), corners.end(), isNew)), onFace = samplesOn(faces, t);
+            const GeometryPart& now = parts.back();
+            if (now.triangles > 0
+                && (now.triangles + 1 > limits.triangles || now.vertices + more > limits.vertices
+                    || now.vertices + now.faceSamples + more + onFace > limits.samples)) {
+                for (const uint32_t v : now.pieces.back().vertices) vertexInPart[v] = kNone;
+                parts.emplace_back();
+                begin(t);
+            }
+            GeometryPart& part = parts.back();
+            GeometryPiece& piece = part.pieces.back();
+            for (const uint32_t v : corners) {
+                if (isNew(v)) {
+                    vertexInPart[v] = uint32_t(part.vertices++);
+                    piece.vertices.push_back(v);
+                }
+                piece.corners.push_back(vertexInPart[v]);
+            }
+            part.faceSamples += onFace;
+            ++part.triangles;
+        }
+    }
+    return parts;
+}
+
+std::vector<SceneVertex> verticesOf(const Asset& asset, const GeometryPart& part) {
+    std::vector<SceneVertex> out;
+    out.reserve(part.vertices);
+    for (const GeometryPiece& piece : part.pieces) {
+        const Surface& surface = surfaceOf(asset, piece);
+        const glm::mat4& toWorld = asset.scene.instances[size_t(piece.instance)].toWorld;
+        const glm::mat3 normals = normalMatrix(toWorld);
+        for (const uint32_t v : piece.vertices)
+            out.push_back({toWorld * glm::vec4(surface.positions[v], 1), vec4(unitNormal(normals, surface.normals[v]), 0)});
+    }
+    return out;
+}
+
+std::vector<uint32_t> indicesOf(const Asset& asset, const GeometryPart& part, bool onFaces) {
+    std::vector<uint32_t> out;
+    out.reserve(part.triangles * (onFaces ? 4 : 3));
+    for (const GeometryPiece& piece : part.pieces) out.insert(out.end(), piece.corners.begin(), piece.corners.end());
+    auto first = uint32_t(part.vertices);
+    for (const GeometryPiece& piece : part.pieces) {
+        const SeenOnFaces& faces = asset.seen[size_t(piece.instance)].faces;
+        for (size_t t = piece.firstTriangle; onFaces && t < piece.firstTriangle + piece.triangles(); ++t) {
+            const int level = faces.level(t);
+            out.push_back(level > 0 ? first << 4 | uint32_t(level) : 0);
+            first += uint32_t(samplesOn(faces, t));
+        }
+    }
+    return out;
+}
+
+void forSamples(const Asset& asset, const GeometryPart& part, const UseSample& use) {
+    for (const GeometryPiece& piece : part.pieces) {
+        const SeenByInstance& seen = asset.seen[size_t(piece.instance)];
+        const glm::mat3 normals = normalMatrix(asset.scene.instances[size_t(piece.instance)].toWorld);
+        for (const uint32_t v : piece.vertices)
+            use(seen.visibility[v], seen.allParams.empty() ? nullptr : &seen.allParams[v],
+                [&] { return unitNormal(normals, surfaceOf(asset, piece).normals[v]); });
+    }
+    for (const GeometryPiece& piece : part.pieces) {
+        const SeenOnFaces& faces = asset.seen[size_t(piece.instance)].faces;
+        for (size_t t = piece.firstTriangle; t < piece.firstTriangle + piece.triangles(); ++t) {
+            const int steps = latticeSteps(std::max(faces.level(t), 1));
+            for (size_t k = 0; k < samplesOn(faces, t); ++k) {
+                const size_t at = faces.first[t] + k;
+                use(faces.visibility[at], faces.allParams.empty() ? nullptr : &faces.allParams[at],
+                    [&] { return lookingNormal(asset.scene, piece.instance, int(t), latticePoint(int(k), steps)); });
+            }
+        }
+    }
+}
+
+}  // namespace apertura
