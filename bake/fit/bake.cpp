@@ -49,16 +49,21 @@ AutoPlan planAuto(const OcclusionSource& source, std::span<const SurfacePoint> p
     return {lambdaFor(errors, tolerance, options.price), leastAlone(errors, tolerance, options.price)};
 }
 
-std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options,
-                                   const Progress& progress) {
+void bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options, const Progress& progress,
+                const std::function<void(size_t, const BakedPoint&)>& keep) {
     const Recipe& recipe = recipeNamed(options.recipe);
     if (recipe.model == MODEL_AUTO && !(options.lambda > 0)) throw Error("the recipe auto needs a lambda: planAuto finds it");
     const FitTools tools(options.rays, useOf(recipe));
     const FitOptions fitOptions{options.tolerance, options.lambda, options.price, options.terrain};
-    std::vector<BakedPoint> out(points.size());
     samplePoints(
         source, points, tools.lattice, options.seed, options.threads, progress,
-        [&](size_t i, const Samples& samples, const glm::mat3& frame) { out[i] = makePoint(recipe, tools, samples, frame, fitOptions); });
+        [&](size_t i, const Samples& samples, const glm::mat3& frame) { keep(i, makePoint(recipe, tools, samples, frame, fitOptions)); });
+}
+
+std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options,
+                                   const Progress& progress) {
+    std::vector<BakedPoint> out(points.size());
+    bakePoints(source, points, options, progress, [&](size_t i, const BakedPoint& point) { out[i] = point; });
     return out;
 }
 
@@ -82,7 +87,6 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
         bakeOptions.lambda = found.lambda;
         if (plan) *plan = found;
     }
-    const std::vector<BakedPoint> baked = bakePoints(source, points, bakeOptions, baking);
     const bool stored = recipeNamed(options.recipe).model >= 0;
     BakedVisibility out;
     ModelParams closed{};  // of vertices that no triangle uses
@@ -91,11 +95,11 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
         const size_t count = scene.surfaces[instance.surface].positions.size();
         out.push_back({std::vector<Visibility>(count), std::vector<ModelParams>(stored ? count : 0, closed)});
     }
-    for (size_t k = 0; k < baked.size(); ++k) {
+    bakePoints(source, points, bakeOptions, baking, [&](size_t k, const BakedPoint& baked) {
         const auto [instance, vertex] = vertices.places[k];
-        out[instance].visibility[vertex] = baked[k].visibility;
-        if (stored) out[instance].allParams[vertex] = baked[k].params;
-    }
+        out[instance].visibility[vertex] = baked.visibility;
+        if (stored) out[instance].allParams[vertex] = baked.params;
+    });
     return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Bakes visibility at points and at all vertices of a scene.
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,9 @@ AutoPlan planAuto(const OcclusionSource& source, std::span<const SurfacePoint> p
 
 // Bakes each point by the options' recipe; directions in the result are in the world. The result does not depend on the
 // number of threads. Throws Cancelled, and Error where there is no such recipe, or it is "auto" without a lambda.
+//   keep  called once for each point, with its index, from any thread
+void bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options, const Progress& progress,
+                const std::function<void(size_t, const BakedPoint&)>& keep);
 std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options,
                                    const Progress& progress = {});
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
+#include <numeric>
 
 #include "bake/sampling/classes.h"
 #include "sh/shading.h"
@@ -62,12 +62,19 @@ std::vector<Term> Unknowns::point(size_t t, const glm::vec3& weights) const {
 }
 
 void Unknowns::weldVertices() {
-    std::map<std::array<float, 6>, uint32_t> places;
-    for (size_t v = 0; v < surface_.positions.size(); ++v) {
+    const auto place = [&](uint32_t v) {
         const glm::vec3 p = surface_.positions[v], n = surface_.normals[v];
-        welded_.push_back(places.try_emplace({p.x, p.y, p.z, n.x, n.y, n.z}, uint32_t(places.size())).first->second);
-    }
-    groups_ = uint32_t(places.size());
+        return std::array{p.x, p.y, p.z, n.x, n.y, n.z};
+    };
+    std::vector<uint32_t> order(surface_.positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return std::pair(place(a), a) < std::pair(place(b), b); });
+    // Numbered by the first vertex of each place, so that neighbours in the mesh are neighbours in memory.
+    std::vector<uint32_t> first(order.size());
+    for (size_t i = 0; i < order.size(); ++i)
+        first[order[i]] = i > 0 && place(order[i]) == place(order[i - 1]) ? first[order[i - 1]] : order[i];
+    welded_.resize(order.size());
+    for (size_t v = 0; v < first.size(); ++v) welded_[v] = first[v] == v ? groups_++ : welded_[first[v]];
 }
 
 void Unknowns::pairEdges() {

@@ -13,33 +13,37 @@ namespace apertura {
 using Term = std::pair<uint32_t, float>;
 
 // Visibility at unknown samples, from equations sum(weight * unknown) = value, each with a weight of its own: least squares, by conjugate
-// gradients on the normal equations. (Kavan, Bargteil & Sloan, "Least Squares Vertex Baking", 2011.)
+// gradients on the normal equations. (Kavan, Bargteil & Sloan, "Least Squares Vertex Baking", 2011.) The equations themselves are not
+// kept: the memory grows with the pairs of unknowns that meet in one.
 class LeastSquares {
 public:
-    explicit LeastSquares(size_t unknowns) : diagonal_(unknowns, 0), starts_{0} {}
+    explicit LeastSquares(size_t unknowns);
 
+    // No unknown may be in `terms` twice.
     void add(std::span<const Term> terms, const Visibility& value, float weight = 1) {
         add(terms, {value.direction, value.area}, weight, false);
     }
     // Draws two unknowns towards each other.
     void tie(uint32_t a, uint32_t b, float weight);
 
-    // The results are possible visibilities, and no nearer to a cap
-    // (capness) than the mean of what was seen about them. Unknowns without an equation are closed.
-    std::vector<Visibility> solve() const;
+    // The results are possible visibilities, and no nearer to a cap (capness) than the mean of what was seen about them. Unknowns without
+    // an equation are closed.
+    std::vector<Visibility> solve();
 
 private:
-    void add(std::span<const Term> terms, const glm::vec4& value, float weight, bool isTie);
-
-    struct Equation {
-        glm::vec4 value;
-        float weight;
-        bool isTie;
+    // Of the normal equations' matrix, above its diagonal.
+    struct Entry {
+        uint32_t row, column;
+        float value;
     };
-    std::vector<double> diagonal_;  // of the normal equations
-    std::vector<Equation> equations_;
-    std::vector<size_t> starts_;  // of each equation's terms, and the end
-    std::vector<Term> terms_;
+
+    void add(std::span<const Term> terms, const glm::vec4& value, float weight, bool isTie);
+    void mergeEntries();
+
+    std::vector<double> diagonal_, shares_;  // shares: of the values about each unknown, the sum of their weights
+    std::vector<glm::dvec4> right_;          // the right-hand side
+    std::vector<Entry> entries_;
+    size_t mostEntries_;  // before they are merged
 };
 
 inline Visibility sumOf(std::span<const Term> terms, std::span<const Visibility> values) {
