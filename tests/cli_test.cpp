@@ -77,7 +77,7 @@ TEST(Cli, BakesInfoComparesAndRenders) {
 TEST(Cli, SameBytesForAnyNumberOfThreads) {
     const Folder folder;
     for (int threads : {1, 2, 5})
-        ASSERT_EQ(run("bake builtin:forest -o " + (folder / std::to_string(threads)) + ".glb --rays 16 --at vertices --threads "
+        ASSERT_EQ(run("bake builtin:arcade -o " + (folder / std::to_string(threads)) + ".glb --rays 64 --threads "
                       + std::to_string(threads))
                       .code,
                   0);
@@ -255,7 +255,7 @@ TEST(Cli, WhatAKilledBakeLeftGoesWithTheNext) {
     for (int i = 0; i < 3; ++i) {
         const pid_t pid = fork();
         if (pid == 0) {
-            execl(APERTURA_PROGRAM, APERTURA_PROGRAM, "bake", "builtin:forest", "-o", out.c_str(), "--rays", "1", "--at", "vertices",
+            execl(APERTURA_PROGRAM, APERTURA_PROGRAM, "bake", "builtin:canyon", "-o", out.c_str(), "--rays", "1", "--at", "vertices",
                   nullptr);
             _exit(99);
         }
@@ -400,6 +400,20 @@ TEST(Cli, ChartLeavesATableAndAPageThatSortsInABrowser) {
     for (const char* picture :
          {"error-bytes", "error-cycles-pixel-navi21", "error-frame-ratio", "error-bake-ratio", "scenes", "worst-scenes"})
         for (const char* kind : {".png", ".svg"}) EXPECT_GT(slurp(out + "/" + picture + kind).size(), 2000u) << picture;
+    // What stands under `whole` is what `compare` says of the asset.
+    const std::string glb = folder / "room.glb", json = folder / "room.json";
+    ASSERT_EQ(run("bake builtin:room-1 -o " + glb).code, 0);
+    ASSERT_EQ(run("compare " + glb + " --models aperture --receivers 12 --light-radii 5 --json " + json).code, 0);
+    const nlohmann::json row = nlohmann::json::parse(slurp(json))["rows"][0];
+    std::istringstream table(csv);
+    double whole = -1;
+    for (std::string line; std::getline(table, line);)
+        if (std::vector<std::string> cells; line.starts_with("\"builtin:room-1\",aperture,sh,")) {
+            std::istringstream words(line);
+            for (std::string word; std::getline(words, word, ',');) cells.push_back(word);
+            if (cells[6] == "5") whole = std::stod(cells[15]);
+        }
+    EXPECT_NEAR(whole, row["rmse"], 1e-6);
     const std::string html = slurp(out + "/index.html");
     EXPECT_EQ(html.find("src=\"http"), std::string::npos);
     EXPECT_EQ(html.find('@'), std::string::npos);

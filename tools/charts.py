@@ -196,8 +196,8 @@ def conclusions(rows, radius, tolerance=0.05):
     return out
 
 
-COLUMNS = [("numbers", "numbers", 2), ("bytes", "bytes", 2), ("rmse", "RMSE", 4), ("bias", "bias", 4), ("max", "max", 3),
-           ("ambient_rmse", "sky RMSE", 4), ("leak_max", "leak max", 3), ("leak_99", "leak 99 %", 3), ("cycles_navi21", "cycles a light, RDNA2", 0), ("cycles_pixel_navi21", "a pixel, RDNA2", 0),
+COLUMNS = [("numbers", "numbers", 2), ("bytes", "bytes", 2), ("rmse", "RMSE", 4), ("whole_rmse", "whole RMSE", 4), ("bias", "bias", 4), ("max", "max", 3),
+           ("ambient_rmse", "sky RMSE", 4), ("whole_ambient", "whole sky RMSE", 4), ("leak_max", "leak max", 3), ("leak_99", "leak 99 %", 3), ("cycles_navi21", "cycles a light, RDNA2", 0), ("cycles_pixel_navi21", "a pixel, RDNA2", 0),
            ("cycles_lit_navi21", "a pixel of lit vertices, RDNA2", 0), ("cycles_polaris10", "a light, GCN4", 0), ("cycles_pixel_polaris10", "a pixel, GCN4", 0),
            ("time_ratio", "time of a light / N·L", 2), ("frame_ratio", "time of a frame / N·L", 2), ("bake_ratio", "bake / sh", 2), ("fits_per_second", "fits/s", 0)]
 
@@ -240,7 +240,7 @@ figure { margin: 1.5em 0 } img { max-width: 100% } figcaption { color: #666; fon
 </style></head><body>
 <h1>Error against cost</h1>
 <p>Made by <code>apertura chart</code> @VERSION@ on @DATE@; @RECEIVERS@ receivers a scene. RMSE is of E / (L π sin²r) against
-ray-traced truth. Cycles are what Mesa's compiler states for one wave of each Radeon, above N·L with no visibility: of one evaluation of a
+ray-traced truth, made at the receivers themselves; whole, interpolated between the samples of an asset. Cycles are what Mesa's compiler states for one wave of each Radeon, above N·L with no visibility: of one evaluation of a
 light; of a pixel under one light and the sky, with all that it fetches, at three corners where a model does not mix; and of a pixel of
 which the vertices were lit before. Times are of @DEVICE@, a frame being 960 × 540 pixels of the statue, under the light that the charts are
 of. Hollow points are rivals, as their authors would make them, and methods as published; their bytes are those that they need alone.</p>
@@ -279,14 +279,15 @@ def markdown(rows, table, fronts, folder, radius, about, date):
     tables = {r: means(rows, r) for r in radii}
     lines = ["# Error against cost", "",
              f"Made by `apertura chart` {about['version']} on {date}, {about['receivers']} receivers a scene. RMSE of E / (L π sin²r), "
-             "mean over the scenes; cycles above N·L as Mesa's compiler states them for one wave.", "",
+             "mean over the scenes; whole: interpolated between what an asset stores, elsewhere made at the receivers; cycles above N·L as Mesa's compiler states them for one wave.", "",
              "![error against the cycles of a pixel](error-cycles-pixel-navi21.png)", "", "![error by scene](scenes.png)", "",
-             "| model | numbers | bytes | " + " | ".join(f"{r:g}°" for r in radii) + f" | sky | leak 99 % | a light, {radius:g}° | "
+             "| model | numbers | bytes | " + " | ".join(f"{r:g}°" for r in radii) + f" | whole, {radius:g}° | sky | whole sky | leak 99 % | a light, {radius:g}° | "
              + " | ".join(f"a pixel, {r:g}°" for r in radii if r != 1 and r < 30) + f" | GCN4, {radius:g}° | frame / N·L | bake / sh |",
-             "|---|---|---|" + "---|" * (len(radii) + 6 + sum(r != 1 and r < 30 for r in radii))]
+             "|---|---|---|" + "---|" * (len(radii) + 8 + sum(r != 1 and r < 30 for r in radii))]
     for model, row in table.items():
         cells = ["" if model == "shadow-map" else cell(row[key], 2).rstrip("0").rstrip(".") for key in ("numbers", "bytes")] + [cell(tables[r][model]["rmse"], 3) for r in radii]
-        cells += [cell(row["ambient_rmse"], 3), cell(row["leak_99"], 3), cell(row["cycles_navi21"], 0)]
+        cells += [cell(row[key], 3) for key in ("whole_rmse", "ambient_rmse", "whole_ambient", "leak_99")]
+        cells += [ cell(row["cycles_navi21"], 0)]
         cells += [cell(tables[r][model]["cycles_pixel_navi21"], 0) for r in radii if r != 1 and r < 30]
         cells += [cell(row["cycles_pixel_polaris10"], 0), cell(row["frame_ratio"], 2), cell(row["bake_ratio"], 2)]
         model += "`, rival" if row["baseline"] else "`"

@@ -7,10 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
+#include <tuple>
 
 #include "bake/fit/bake.h"
 #include "bake/measure/measure.h"
 #include "bake/scene/builtin.h"
+#include "runtime/asset/asset.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
 #include "tools/commands.h"
@@ -23,7 +25,7 @@ namespace {
 struct Arguments {
     std::vector<std::string> scenes;
     std::string out;
-    std::vector<std::string> models;
+    std::vector<std::string> models, whole;
     HeightMapOptions map;
     MeasureOptions measure;
 };
@@ -79,6 +81,41 @@ std::string inQuotes(const std::string& text) {
     return out + "\"";
 }
 
+// A model's whole error, between the samples that an asset stores, and that of the sky: by scene, model, source and light radius.
+struct WholeError {
+    double rmse, ambient;
+};
+using WholeErrors = std::map<std::tuple<std::string, std::string, std::string, double>, WholeError>;
+
+// Bakes the scene with what these models are made from, each time to a file beside `path` that is removed again, and measures the asset.
+void addWholeErrors(const Scene& scene, const std::vector<const Model*>& models, MeasureOptions measure, const std::string& path,
+                    const Progress& progress, WholeErrors& out) {
+    std::map<std::string_view, std::vector<const Model*>> byRecipe;
+    for (const Model* model : models) byRecipe[recipeFor(*model).name].push_back(model);
+    measure.only = true;
+    measure.shadowMap = false;
+    double done = 0;
+    for (const auto& [recipe, made] : byRecipe) {
+        const double next = done + 1 / double(byRecipe.size()), middle = 0.5 * (done + next);
+        BakeOptions bake;
+        bake.recipe = recipe;
+        bake.threads = measure.threads;
+        bake.tolerance = measure.tolerance;
+        BakeInfo info;
+        info.version = APERTURA_VERSION;
+        info.scene = scene.name;
+        info.model = recipe;
+        info.rays = bake.rays;
+        info.at = "faces";
+        const PendingFile file(path);
+        writeAsset(file.name(), scene, bakeScene(scene, Tracer(scene), bake, part(progress, done, middle)), info);
+        measure.models = made;
+        for (const MeasureRow& row : measureAsset(readAsset(file.name()), measure, part(progress, middle, next)).rows)
+            out[{scene.name, row.model, row.source, row.lightRadius}] = {row.rmse, row.ambient};
+        done = next;
+    }
+}
+
 // The class of formulas for a light of so many degrees.
 int classOf(double degrees) { return lightClassOf(float(std::sin(degrees * std::numbers::pi / 180))); }
 
@@ -88,10 +125,12 @@ bool isRepeated(const MeasureRow& row) {
     return row.source == "rays" && model && model->fromVisibility;
 }
 
-std::string toCsv(const std::vector<Measurement>& all, const Costs& costs, const std::map<std::string, BakeCost>& baking) {
+std::string toCsv(const std::vector<Measurement>& all, const WholeErrors& whole, const Costs& costs,
+                  const std::map<std::string, BakeCost>& baking) {
     std::ostringstream out;
     out.precision(6);
-    out << "scene,model,source,baseline,numbers,bytes,light_radius_deg,rmse,bias,max,rms_truth,noise,ambient_rmse,leak_max,leak_99";
+    out << "scene,model,source,baseline,numbers,bytes,light_radius_deg,rmse,bias,max,rms_truth,noise,ambient_rmse,leak_max,leak_99,"
+           "whole_rmse,whole_ambient";
     for (const char* family : kFamilies) out << ",cycles_" << family << ",cycles_pixel_" << family << ",cycles_lit_" << family;
     out << ",time_ratio,frame_ratio,texels_per_metre,bake_ratio,fits_per_second\n";
     // An empty cell, where a figure is not there.
@@ -105,7 +144,11 @@ std::string toCsv(const std::vector<Measurement>& all, const Costs& costs, const
             const Model* model = findModel(r.model);
             out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << (!model || model->baseline) << ',' << r.numbers << ','
                 << r.bytes << ',' << r.lightRadius << ',' << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise
-                << ',' << r.ambient << ',' << r.leakMax << ',' << r.leak99;
+                << ',' << r.ambient << ',' << r.leakMax << ',' << r.leak99 << ',';
+            if (const auto found = whole.find({m.scene, r.model, r.source, r.lightRadius}); found != whole.end())
+                out << found->second.rmse << ',' << found->second.ambient;
+            else
+                out << ',';
             const CostKey key(model ? model->id : kShadowMapId, classOf(r.lightRadius));
             for (const char* family : kFamilies) {
                 const auto found = costs.cycles.find(family);
@@ -165,6 +208,10 @@ void run(Arguments a) {
     std::vector<const Model*> asked = a.measure.models;
     if (!a.measure.only)
         for (const Model& model : models()) asked.push_back(&model);
+    std::vector<const Model*> wholes;
+    for (const Model* model : asked)
+        if (a.whole.empty() && model->fromVisibility) wholes.push_back(model);
+    if (bool none = false; !a.whole.empty()) wholes = parseModels(a.whole, none);
     std::vector<int> classes;
     for (const double radius : a.measure.lightRadii)
         if (const int c = classOf(radius); std::find(classes.begin(), classes.end(), c) == classes.end()) classes.push_back(c);
@@ -172,17 +219,20 @@ void run(Arguments a) {
     const Costs costs = measureCosts(
         asked, classes, std::count(classes.begin(), classes.end(), classOf(kMapRadius)) ? classOf(kMapRadius) : classes.front());
     std::vector<Measurement> all;
+    WholeErrors whole;
     std::map<std::string, BakeCost> baking;
     {
         ProgressBar bar("charting");
         const Progress progress = bar.callback();
         baking = measureBaking(scenes[0], a.measure);
-        for (size_t i = 0; i < scenes.size(); ++i)
-            all.push_back(
-                measureScene(scenes[i], a.measure, [&](double share) { return progress((double(i) + share) / double(scenes.size())); }));
+        for (size_t i = 0; i < scenes.size(); ++i) {
+            const Progress own = part(progress, double(i) / double(scenes.size()), double(i + 1) / double(scenes.size()));
+            all.push_back(measureScene(scenes[i], a.measure, part(own, 0, 0.5)));
+            addWholeErrors(scenes[i], wholes, a.measure, a.out + "/scene.glb", part(own, 0.5, 1), whole);
+        }
     }
     if (interrupted()) throw Cancelled{};
-    writeTextFile(csv, toCsv(all, costs, baking));
+    writeTextFile(csv, toCsv(all, whole, costs, baking));
     writeTextFile(maps, toMaps(all));
     writeTextFile(
         about,
@@ -205,6 +255,12 @@ void addChartCommand(CLI::App& program) {
     command.add_option("SCENE", a->scenes, "scenes as for bake [the ten built-in ones]")->type_name("SCENE ...");
     command.add_option("-o", a->out, "the folder for all of it; made where it is not there")->required()->type_name("DIR");
     command.add_option("--models", a->models, "of " + modelNames() + ", shadow-map [all]")->delimiter(',')->type_name("A,B,...");
+    command
+        .add_option("--whole", a->whole,
+                    "models that are measured between the samples of an asset too, for which each scene is baked [those of --models that "
+                    "are made from the four numbers]")
+        ->delimiter(',')
+        ->type_name("A,B,...");
     command.add_option("--light-radii", a->measure.lightRadii, "degrees [0.27,1,5,15,30]")
         ->delimiter(',')
         ->check(finiteRange(0.01, 45.0))

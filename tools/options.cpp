@@ -52,7 +52,7 @@ std::vector<const Model*> parseModels(const std::vector<std::string>& names, boo
         if (name == "shadow-map")
             shadowMap = true;
         else if (!model)
-            throw CLI::ValidationError("--models: there is no model '" + name + "' (there are " + modelNames() + ", shadow-map)");
+            throw CLI::ValidationError("there is no model '" + name + "' (there are " + modelNames() + ", shadow-map)");
         else
             out.push_back(model);
     }
