@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <future>
 #include <memory>
 #include <numbers>
 
@@ -51,34 +50,58 @@ std::map<CostKey, int> aboveFirst(std::span<const CostKey> keys, const std::vect
 
 }  // namespace
 
-// Compiles in a child process: Mesa takes the GPU to compile for, which need not exist, from the environment.
-Cycles cyclesOn(const char* family, std::span<const Model* const> asked, std::span<const int> lightClasses) {
+namespace {
+
+// Cycles on one family of Radeons, compiled in a child process: Mesa takes the GPU to compile for, which need not exist, from the
+// environment.
+class FamilyCosts {
+public:
+    FamilyCosts(const char* family, const std::string& driver, std::span<const Model* const> asked, std::span<const int> lightClasses)
+        : keys_(keysOf(asked, lightClasses, false)),
+          drawn_(keysOf(asked, lightClasses, true)),
+          classes_(lightClasses.size()),
+          work_("RADV", {1800, 0x1p32}, [&](PipeWriter& out) {
+              setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
+              setenv("VK_DRIVER_FILES", driver.c_str(), 1);
+              setenv("RADV_FORCE_FAMILY", family, 1);
+              const Gpu gpu({.statistics = true});
+              std::vector<CostCase> lightCases;
+              std::vector<PixelCase> pixelCases, litCases;
+              for (const CostKey& key : keys_) lightCases.push_back({key.first, key.second});
+              for (const CostKey& key : drawn_) pixelCases.push_back({modelOf(key), key.second});
+              for (const CostKey& key : keys_)
+                  litCases.push_back({modelOf(key), key.second, key.first == MODEL_UNSHADOWED ? LightAt::Pixels : LightAt::Vertices});
+              out.put(compiledCosts(gpu, lightCases));
+              out.put(compiledPixelCosts(gpu, pixelCases));
+              out.put(compiledPixelCosts(gpu, litCases));
+          }) {}
+
+    Cycles finish() {
+        std::vector<CompiledCost> light, pixel, lit;
+        work_.finish([&](PipeReader& in) {
+            light = in.take<CompiledCost>();
+            pixel = in.take<CompiledCost>();
+            lit = in.take<CompiledCost>();
+        });
+        return {aboveFirst(keys_, light, classes_), aboveFirst(drawn_, pixel, classes_), aboveFirst(keys_, lit, classes_)};
+    }
+
+private:
+    std::vector<CostKey> keys_, drawn_;
+    size_t classes_;
+    IsolatedWork work_;
+};
+
+std::string requireRadeonDriver() {
     const std::string driver = radeonDriver();
     if (driver.empty()) throw Error("Mesa's driver for Radeons (RADV) is not installed");
-    const std::vector<CostKey> keys = keysOf(asked, lightClasses, false), drawn = keysOf(asked, lightClasses, true);
-    std::vector<CompiledCost> light, pixel, lit;
-    const auto compile = [&](PipeWriter& out) {
-        setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
-        setenv("VK_DRIVER_FILES", driver.c_str(), 1);
-        setenv("RADV_FORCE_FAMILY", family, 1);
-        const Gpu gpu({.statistics = true});
-        std::vector<CostCase> lightCases;
-        std::vector<PixelCase> pixelCases, litCases;
-        for (const CostKey& key : keys) lightCases.push_back({key.first, key.second});
-        for (const CostKey& key : drawn) pixelCases.push_back({modelOf(key), key.second});
-        for (const CostKey& key : keys)
-            litCases.push_back({modelOf(key), key.second, key.first == MODEL_UNSHADOWED ? LightAt::Pixels : LightAt::Vertices});
-        out.put(compiledCosts(gpu, lightCases));
-        out.put(compiledPixelCosts(gpu, pixelCases));
-        out.put(compiledPixelCosts(gpu, litCases));
-    };
-    runIsolated("RADV", {1800, 0x1p32}, compile, [&](PipeReader& in) {
-        light = in.take<CompiledCost>();
-        pixel = in.take<CompiledCost>();
-        lit = in.take<CompiledCost>();
-    });
-    const size_t n = lightClasses.size();
-    return {aboveFirst(keys, light, n), aboveFirst(drawn, pixel, n), aboveFirst(keys, lit, n)};
+    return driver;
+}
+
+}  // namespace
+
+Cycles cyclesOn(const char* family, std::span<const Model* const> asked, std::span<const int> lightClasses) {
+    return FamilyCosts(family, requireRadeonDriver(), asked, lightClasses).finish();
 }
 
 namespace {
@@ -136,9 +159,11 @@ std::map<CostKey, double> frameTimes(const Gpu& gpu, std::span<const Model* cons
 Costs measureCosts(std::span<const Model* const> asked, std::span<const int> lightClasses, int frameClass) {
     Costs out;
     try {
-        std::map<std::string, std::future<Cycles>> running;
-        for (const char* family : kFamilies) running[family] = std::async(std::launch::async, cyclesOn, family, asked, lightClasses);
-        for (auto& [family, cycles] : running) out.cycles[family] = cycles.get();
+        // Side by side.
+        const std::string driver = requireRadeonDriver();
+        std::map<std::string, std::unique_ptr<FamilyCosts>> running;
+        for (const char* family : kFamilies) running[family] = std::make_unique<FamilyCosts>(family, driver, asked, lightClasses);
+        for (auto& [family, costs] : running) out.cycles[family] = costs->finish();
     } catch (const Error& e) {
         out.cycles.clear();
         std::fprintf(stderr, "apertura: no GPU cycles, their columns stay empty: %s\n", e.what());

@@ -9,7 +9,7 @@ namespace apertura {
 // where one has more of them there than the other, those lie on the line between the fewer ones. So nothing jumps across the edge.
 class Unknowns {
 public:
-    // For each triangle of the instance, the level of its lattice (shaders/lattice.glsl) and whether it leans (leansFrom). Must not outlive
+    // For each triangle of the instance, the level of its lattice (shaders/lattice.glsl) and whether it leans (SurfaceAt). Must not outlive
     // the scene.
     Unknowns(const Scene& scene, size_t instance, std::vector<uint8_t> levels, std::vector<bool> leans);
 

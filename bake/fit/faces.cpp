@@ -43,7 +43,7 @@ int samplesOn(int level) { return level ? latticeSize(latticeSteps(level)) : 0; 
 struct Face {
     uint32_t instance, triangle;
     double area;  // m2
-    bool leans;   // see leansFrom
+    bool leans;   // see SurfaceAt
     int level = 0;
     float tie = kTies[0];  // of kTies, that with which its lattice errs least
     std::vector<Probe> probes, witnesses;
@@ -154,9 +154,10 @@ struct Faces::Impl {
         const auto& corners = surface.triangles[face.triangle];
         std::vector<ModelParams> params;
         for (size_t i = 0; i < samples.size(); ++i) {
-            const glm::vec3 normal = face.level ? lookingNormal(scene, int(face.instance), int(face.triangle),
-                                                                latticePoint(int(i), latticeSteps(face.level)))
-                                                : normalMatrix(placed.toWorld) * surface.normals[corners[i]];
+            const glm::vec3 normal =
+                face.level
+                    ? surfaceAt(scene, int(face.instance), int(face.triangle), latticePoint(int(i), latticeSteps(face.level))).looking()
+                    : normalMatrix(placed.toWorld) * surface.normals[corners[i]];
             params.push_back(toParams(soft, samples[i], nullptr, normal));
         }
         double sum = 0, count = 0;
@@ -270,7 +271,7 @@ Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& ve
             const double area = 0.5 * glm::length(glm::cross(c[1] - c[0], c[2] - c[0]));
             const double longest = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
             if (!(area > kNoArea * longest * longest)) continue;
-            impl.faces.push_back({uint32_t(i), uint32_t(t), area, leansFrom(scene, int(i), int(t))});
+            impl.faces.push_back({uint32_t(i), uint32_t(t), area, surfaceAt(scene, int(i), int(t), glm::vec3(1 / 3.0f)).leans});
             total += area;
         }
     }

@@ -31,7 +31,7 @@ Prober::Prober(const Scene& scene, const OcclusionSource& source, const Solids& 
 
 SurfacePoint Prober::pointAt(size_t instance, size_t triangle, const glm::vec3& weights) const {
     const SurfaceAt at = surfaceAt(scene_, int(instance), int(triangle), weights);
-    return {at.position, lookingNormal(scene_, int(instance), int(triangle), weights), at.longest};
+    return {at.position, at.looking(), at.longest};
 }
 
 Probe Prober::look(size_t instance, size_t triangle, size_t k, const std::vector<glm::vec3>& among) const {

@@ -25,7 +25,7 @@ public:
     Probe probe(size_t instance, size_t triangle, size_t k) const { return look(instance, triangle, k, few_); }
     Probe witness(size_t instance, size_t triangle, size_t k) const { return look(instance, triangle, k, many_); }
 
-    // Where the rays of a point of a triangle start; see lookingNormal in runtime/asset/faces.h.
+    // Where the rays of a point of a triangle start.
     SurfacePoint pointAt(size_t instance, size_t triangle, const glm::vec3& weights) const;
 
     size_t rays() const { return rays_; }  // traced so far

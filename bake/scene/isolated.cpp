@@ -124,30 +124,50 @@ ResourceLimits limitsFor(const std::string& path, double seconds) {
     return {seconds + kSecondsAMebibyte * bytes / 0x1p20, std::min(kBytes + kBytesAByte * bytes, machine / 2)};
 }
 
-void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& read,
-                 const std::function<void(PipeReader&)>& receive) {
+IsolatedWork::IsolatedWork(std::string path, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& work)
+    : path_(std::move(path)), mostBytes_(limits.bytes) {
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(path + ": cannot be read: no pipe");
-    const pid_t pid = fork();
-    if (pid < 0) throw Error(path + ": cannot be read: no process");
-    if (pid == 0) child(ends[1], limits, read);
+    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(path_ + ": cannot be read: no pipe");
+    child_ = fork();
+    if (child_ == 0) child(ends[1], limits, work);
     close(ends[1]);
+    from_ = ends[0];
+    if (child_ >= 0) return;
+    close(from_);
+    throw Error(path_ + ": cannot be read: no process");
+}
+
+IsolatedWork::~IsolatedWork() {
+    if (child_ < 0) return;
+    close(from_);
+    kill(child_, SIGKILL);
+    while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+}
+
+void IsolatedWork::finish(const std::function<void(PipeReader&)>& receive) {
     std::string failure;
     try {
-        PipeReader reader(ends[0], limits.bytes);
+        PipeReader reader(from_, mostBytes_);
         receive(reader);
     } catch (const Broken&) {
         failure = "cannot be read: damaged";
     } catch (const Error& e) {
         failure = e.what();
     }
-    close(ends[0]);
+    close(from_);
     int status = 0;
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
     }
+    child_ = -1;
     if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL))
         failure = "cannot be read: takes longer than a file of its size should";
-    if (!failure.empty()) throw Error(path + ": " + failure);
+    if (!failure.empty()) throw Error(path_ + ": " + failure);
+}
+
+void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& read,
+                 const std::function<void(PipeReader&)>& receive) {
+    IsolatedWork(path, limits, read).finish(receive);
 }
 
 }  // namespace apertura

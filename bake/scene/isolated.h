@@ -52,9 +52,25 @@ struct ResourceLimits {
 // most half of the machine's memory.
 ResourceLimits limitsFor(const std::string& path, double seconds);
 
-// Runs `read` in a child process and `receive`, in this one, on what `read` sends. The libraries that read foreign files
-// crash and hang on damaged ones: here that becomes an Error "PATH: cause", like an Error of `read` or `receive` and the
-// end of a limit. The child's standard error is silenced.
+// Work in a child process. The libraries that read foreign files crash and hang on damaged ones: here that becomes an Error "PATH: cause",
+// like an Error of the work and the end of a limit. The child's standard error is silenced.
+class IsolatedWork {
+public:
+    // Starts it. No other thread may be at work in this process: a child that is made while one holds a lock waits for it for ever.
+    IsolatedWork(std::string path, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& work);
+    ~IsolatedWork();  // ends it
+    IsolatedWork(const IsolatedWork&) = delete;
+
+    // Calls `receive` on what the work sends, and waits for its end. Call it once.
+    void finish(const std::function<void(PipeReader&)>& receive);
+
+private:
+    std::string path_;
+    double mostBytes_;
+    int child_ = -1, from_ = -1;
+};
+
+// Runs `read` in a child process and `receive`, in this one, on what `read` sends, as IsolatedWork does.
 void runIsolated(const std::string& path, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& read,
                  const std::function<void(PipeReader&)>& receive);
 

@@ -12,7 +12,6 @@
 namespace apertura {
 namespace {
 
-constexpr float kLeaning = 0.8f;  // cosine between a face and a vertex's normal below which that is not the face's
 const char* const kLevels = "_VISIBILITY_LEVELS";
 const char* const kSamples = "_VISIBILITY_SAMPLES";
 const char* const kNumbers = "_VISIBILITY_NUMBERS";
@@ -258,24 +257,6 @@ glm::vec3 latticePoint(int sample, int steps) {
     while (latticeRow(j + 1, steps) <= sample) ++j;
     const float y = float(j) / float(steps), x = float(sample - latticeRow(j, steps)) / float(steps);
     return {1 - x - y, x, y};
-}
-
-bool leansFrom(const Scene& scene, int instance, int triangle) {
-    const Instance& placed = scene.instances[size_t(instance)];
-    const Surface& surface = scene.surfaces[size_t(placed.surface)];
-    const glm::vec3 face = surfaceAt(scene, instance, triangle, glm::vec3(1 / 3.0f)).face;
-    if (face == glm::vec3(0)) return false;
-    const glm::mat3 normals = normalMatrix(placed.toWorld);
-    for (const uint32_t v : surface.triangles[size_t(triangle)]) {
-        const glm::vec3 n = normals * surface.normals[v];
-        if (!(glm::dot(n, face) > kLeaning * glm::length(n))) return true;
-    }
-    return false;
-}
-
-glm::vec3 lookingNormal(const Scene& scene, int instance, int triangle, const glm::vec3& barycentrics) {
-    const SurfaceAt at = surfaceAt(scene, instance, triangle, barycentrics);
-    return leansFrom(scene, instance, triangle) ? at.face : at.normal;
 }
 
 }  // namespace apertura

@@ -28,10 +28,4 @@ size_t bytesOfFaces(const Scene& scene, const BakedVisibility& seen, const Model
 // Weights of the triangle's corners at a sample of its lattice.
 glm::vec3 latticePoint(int sample, int steps);
 
-// True where the normal of one of a triangle's vertices leans far from the face, by more than 37 degrees.
-bool leansFrom(const Scene& scene, int instance, int triangle);
-// The normal about which a point of a face looks: the vertices' normals, interpolated, or the face's own where one of them leans far from
-// it. World, unit.
-glm::vec3 lookingNormal(const Scene& scene, int instance, int triangle, const glm::vec3& barycentrics);
-
 }  // namespace apertura

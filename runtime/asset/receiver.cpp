@@ -28,7 +28,7 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
         for (int c = 0; c < 3; ++c) {
             const size_t at = seen.faces.first[size_t(triangle)] + size_t(cell.samples[c]);
             add(cell.weights[c], seen.faces.visibility[at], seen.faces.allParams, at,
-                lookingNormal(asset.scene, instance, triangle, latticePoint(cell.samples[c], latticeSteps(level))));
+                surfaceAt(asset.scene, instance, triangle, latticePoint(cell.samples[c], latticeSteps(level))).looking());
         }
     } else {
         for (int c = 0; c < 3; ++c) {

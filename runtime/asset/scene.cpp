@@ -14,6 +14,7 @@ namespace {
 
 constexpr float kFarthest = 1e15f;    // metres; squares of longer lengths may overflow float32
 constexpr double kSingular = 1e-300;  // transforms with a determinant up to this are singular
+constexpr float kLeaning = 0.8f;      // cosine between a face and a vertex's normal below which that is not the face's
 constexpr double kPlaneSteps = 4096;  // steps per unit of a normal's component; planes whose normals round to the same are one
 // Memory while baking, measured: per vertex the point, the four numbers and a model's parameters; per triangle the tracer.
 constexpr double kBytesAVertex = 150, kBytesATriangle = 150;
@@ -114,6 +115,10 @@ SurfaceAt surfaceAt(const Scene& scene, int instance, int triangle, const glm::v
     // Vertex normals that lie in the face do not tell its side: its winding decides.
     const bool wound = glm::dot(cross, side) >= -1e-6 * area * glm::length(side);
     if (area > 0) out.face = glm::vec3(cross / (wound ? area : -area));
+    for (const uint32_t v : surface.triangles[size_t(triangle)]) {
+        const glm::vec3 n = normals * surface.normals[v];
+        out.leans |= area > 0 && !(glm::dot(n, out.face) > kLeaning * glm::length(n));
+    }
     const glm::vec3 turned = normals * mean;
     const float length = glm::length(turned);
     out.normal = length > 0 ? turned / length : out.face;

@@ -66,6 +66,10 @@ struct SurfaceAt {
     glm::vec3 face;       // unit: the triangle's geometric normal, on the side of its vertices' normals; 0 for a triangle of no area
     glm::vec3 normal;     // unit: the vertices' normals, interpolated; `face` where they cancel
     double longest;       // metres, the longest edge of the triangle
+    bool leans;           // the normal of one of the vertices leans far from `face`, by more than 37 degrees
+
+    // About what a sample on the face looks.
+    const glm::vec3& looking() const { return leans ? face : normal; }
 };
 
 // `barycentrics`: weights of the triangle's corners, 0..1, with the sum 1.

@@ -108,7 +108,7 @@ void forSamples(const Asset& asset, const GeometryPart& part, const UseSample& u
             for (size_t k = 0; k < samplesOn(faces, t); ++k) {
                 const size_t at = faces.first[t] + k;
                 use(faces.visibility[at], faces.allParams.empty() ? nullptr : &faces.allParams[at],
-                    [&] { return lookingNormal(asset.scene, piece.instance, int(t), latticePoint(int(k), steps)); });
+                    [&] { return surfaceAt(asset.scene, piece.instance, int(t), latticePoint(int(k), steps)).looking(); });
             }
         }
     }
