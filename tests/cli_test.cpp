@@ -77,10 +77,10 @@ TEST(Cli, BakesInfoComparesAndRenders) {
 TEST(Cli, SameBytesForAnyNumberOfThreads) {
     const Folder folder;
     for (int threads : {1, 2, 5})
-        ASSERT_EQ(run("bake builtin:arcade -o " + (folder / std::to_string(threads)) + ".glb --rays 64 --threads "
-                      + std::to_string(threads))
-                      .code,
-                  0);
+        ASSERT_EQ(
+            run("bake builtin:arcade -o " + (folder / std::to_string(threads)) + ".glb --rays 64 --threads " + std::to_string(threads))
+                .code,
+            0);
     const std::string one = slurp(folder / "1.glb");
     EXPECT_EQ(one, slurp(folder / "2.glb"));
     EXPECT_EQ(one, slurp(folder / "5.glb"));
@@ -289,11 +289,7 @@ TEST(Cli, SaysThatAnInsideOutMeshIsClosed) {
 TEST(Cli, MutantsEndInOneLine) {
     const std::string program = APERTURA_PROGRAM;
     const Folder folder;
-#ifdef __SANITIZE_ADDRESS__
-    const char* runs = "40";
-#else
-    const char* runs = "200";
-#endif
+    const char* runs = kSanitized ? "30" : "120";  // tools/test --all does thousands
     const std::string command = std::string("/usr/bin/python3 " APERTURA_SOURCE "/tests/mutants.py ") + program
                               + " --jobs 2 --seconds 120 --runs " + runs + " --keep "
                               + (std::filesystem::temp_directory_path() / "apertura-mutants").string() + " >" + (folder / "log") + " 2>&1";
@@ -326,6 +322,7 @@ TEST(Cli, BakesStoredModelsAndSaysWhatAutoChose) {
     const std::string obj = folder.write(
         "box.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -1 2 -1\nv 1 2 -1\nf 1 2 3\nf 1 3 4\nf 4 3 6\nf 4 6 5\n");
     for (const char* model : {"sh-fit", "anti", "soft-2", "soft-l2", "sh-l4", "horizon", "auto"}) {
+        if (kSanitized && std::string(model).starts_with("s") && std::string(model) != "soft-2") continue;
         const std::string glb = folder / (std::string(model) + ".glb");
         Result r = run("bake " + obj + " -o " + glb + " --rays 64 --at vertices --model " + model);
         ASSERT_EQ(r.code, 0) << model << r.error;
@@ -384,8 +381,9 @@ TEST(Cli, RefusesTolerancesAndModelsThatAreNone) {
 // Runs `chart` with the least that its page needs. Returns the exit code and what the program printed.
 std::string chart(const Folder& folder, const std::string& environment) {
     const std::string out = folder / "chart";
-    const std::string command = environment + " " APERTURA_PROGRAM " chart builtin:sphere-over-plane builtin:room-1 -o " + out
-                              + " --models unshadowed,ao,soft,aperture --receivers 12 --light-radii 1,5 >" + (folder / "log") + " 2>&1";
+    const std::string command = environment + " " APERTURA_PROGRAM " chart builtin:room-2 builtin:room-1 -o " + out
+                              + " --models unshadowed,ao,soft,aperture --whole aperture --receivers 12 --light-radii 1,5 >"
+                              + (folder / "log") + " 2>&1";
     const int status = std::system(command.c_str());
     return std::to_string(WEXITSTATUS(status)) + " " + slurp(folder / "log");
 }
@@ -453,8 +451,8 @@ TEST(Cli, ChartWithoutMatplotlibStillLeavesTheTable) {
 TEST(Cli, StabilityLeavesTablesAndCharts) {
     const Folder folder;
     const std::string out = folder / "stability";
-    const std::string command = APERTURA_PROGRAM " stability -o " + out
-                              + " --models oat,aperture --inputs 20000 --device-inputs 500 --receivers 1 >" + (folder / "log") + " 2>&1";
+    const std::string command = APERTURA_PROGRAM " stability -o " + out + " --models oat,aperture --inputs "
+                              + (kSanitized ? "2000" : "20000") + " --device-inputs 500 --receivers 1 >" + (folder / "log") + " 2>&1";
     const int status = std::system(command.c_str());
     ASSERT_EQ(WEXITSTATUS(status), 0) << slurp(folder / "log");
     for (const char* table : {"sweeps.csv", "scenes.csv", "map.csv", "counts.csv", "decode.csv", "mixing.csv", "half.csv", "seams.csv"})

@@ -18,6 +18,13 @@ namespace apertura::test {
 
 using std::numbers::pi;
 
+// Where everything takes several times as long, tests whose code others run too do less of it.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
 struct Random {
     std::mt19937_64 engine;
     explicit Random(uint64_t seed) : engine(seed) {}
