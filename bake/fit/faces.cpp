@@ -47,7 +47,8 @@ struct Face {
     int level = 0;
     float tie = kTies[0];  // of kTies, that with which its lattice errs least
     std::vector<Probe> probes, witnesses;
-    double error = 0;          // mean square, by the witnesses that are not buried
+    double measured = 0;       // mean square error, by the witnesses that are not buried,
+    double error = 0;          // and with what its level errs taken into account
     double gain = kFirstGain;  // of its squared error, what a refinement is thought to take away
     double open = 1;           // the fraction of its probes that are not buried
 };
@@ -220,11 +221,12 @@ struct Faces::Impl {
         return errorOf(face, equations.solve());
     }
 
-    // Calls use(face, samples) for each face of an instance, all fitted together.
-    void fitTogether(size_t instance, const auto& use, const auto& useVertices) const {
+    // Fits the faces of an instance together, and calls use(face, samples) for each that isWanted(face).
+    void fitTogether(size_t instance, const auto& isWanted, const auto& use, const auto& useVertices) const {
         const Unknowns unknowns = unknownsOf(scene, instance, facesOf(instance));
         const std::vector<Visibility> values = equationsOf(unknowns, facesOf(instance), vertices[instance].visibility).solve();
         tbb::parallel_for(firstFace[instance], firstFace[instance + 1], [&](size_t f) {
+            if (!isWanted(f)) return;
             const Face& face = faces[f];
             std::vector<Visibility> samples;
             for (int i = 0; i < (face.level ? samplesOn(face.level) : 3); ++i)
@@ -234,27 +236,44 @@ struct Faces::Impl {
         useVertices(unknowns, values);
     }
 
-    // The errors of faces as they stand.
-    void measure() {
+    // The errors of faces as they stand: of all of them or, where only those in `refined` have changed since they were measured last, of
+    // these and of what touches them.
+    void measure(std::span<const size_t> refined = {}) {
+        std::vector<std::vector<bool>> near(scene.instances.size());  // by instance and vertex; empty: none
+        for (const size_t f : refined) {
+            const Surface& surface = surfaceOf(faces[f].instance);
+            std::vector<bool>& own = near[faces[f].instance];
+            own.resize(surface.positions.size());
+            for (const uint32_t v : surface.triangles[faces[f].triangle]) own[v] = true;
+        }
+        const auto isWanted = [&](size_t f) {
+            if (refined.empty()) return true;
+            const auto& corners = surfaceOf(faces[f].instance).triangles[faces[f].triangle];
+            return std::any_of(corners.begin(), corners.end(), [&](uint32_t v) { return near[faces[f].instance][v]; });
+        };
         tbb::parallel_for(size_t(0), scene.instances.size(), [&](size_t i) {
+            if (!refined.empty() && near[i].empty()) return;
             fitTogether(
-                i, [&](size_t f, std::span<const Visibility> samples) { faces[f].error = errorOf(faces[f], samples); },
+                i, isWanted, [&](size_t f, std::span<const Visibility> samples) { faces[f].measured = errorOf(faces[f], samples); },
                 [](const Unknowns&, const std::vector<Visibility>&) {});
         });
         shareErrors();
     }
+
+    const Surface& surfaceOf(size_t instance) const { return scene.surfaces[size_t(scene.instances[instance].surface)]; }
 
     // What few witnesses say is drawn towards what all faces of the level err: of those that were left as they are, most were so because
     // their witnesses happened to see little. A face without a witness is thought to err as the others do.
     void shareErrors() {
         double sum[MAX_LATTICE_LEVEL + 1]{}, area[MAX_LATTICE_LEVEL + 1]{};
         for (const Face& face : faces)
-            if (!isBlind(face)) sum[face.level] += face.error * face.area, area[face.level] += face.area;
+            if (!isBlind(face)) sum[face.level] += face.measured * face.area, area[face.level] += face.area;
         for (Face& face : faces) {
+            face.error = face.measured;
             if (!(area[face.level] > 0)) continue;
             const auto seeing = double(
                 std::count_if(face.witnesses.begin(), face.witnesses.end(), [](const Probe& p) { return !p.buried; }));
-            face.error = (seeing * face.error + kShared * sum[face.level] / area[face.level]) / (seeing + kShared);
+            face.error = (seeing * face.measured + kShared * sum[face.level] / area[face.level]) / (seeing + kShared);
         }
     }
 };
@@ -318,6 +337,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
     const double allowed = options.tolerance * options.tolerance * area;
     for (const Face& face : impl.faces) bytes += options.bytesASample * samplesOn(face.level);
     bool full = false;
+    std::vector<size_t> refined;  // since all were judged
     // Faces are refined each by itself, and then judged again as they are when all are fitted together.
     for (int round = 0, since = 0; round < kMostRounds; ++round, ++since) {
         if (progress && !progress(double(round) / kMostRounds)) throw Cancelled{};
@@ -325,7 +345,8 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
         for (const Face& face : impl.faces) error += face.area * face.open * face.error;
         if (error <= allowed) {
             if (since == 0) break;
-            impl.measure();
+            impl.measure(refined);
+            refined.clear();
             since = -1;
             continue;
         }
@@ -359,6 +380,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
             full = true;
             break;
         }
+        refined.insert(refined.end(), chosen.begin(), chosen.end());
         tbb::parallel_for(tbb::blocked_range<size_t>(0, chosen.size(), 1), [&](const tbb::blocked_range<size_t>& range) {
             for (size_t c = range.begin(); c < range.end(); ++c) {
                 Face& face = impl.faces[chosen[c]];
@@ -397,7 +419,7 @@ BakedVisibility Faces::fit() const {
         SeenOnFaces& faces = out[i].faces;
         if (any) faces.setLevels(std::move(levels), false);
         impl.fitTogether(
-            i,
+            i, [](size_t) { return true; },
             [&](size_t f, std::span<const Visibility> samples) {
                 const Face& face = impl.faces[f];
                 if (face.level) std::copy(samples.begin(), samples.end(), faces.visibility.begin() + faces.first[face.triangle]);
