@@ -367,6 +367,9 @@ TEST(Cli, RefusesTolerancesAndModelsThatAreNone) {
     expectRefusal("bake builtin:statue -o x.glb --model auto --price gold", 2, "gold");
     expectRefusal("render x.glb -o x.png --light-at dawn", 2, "dawn");
     const Folder folder;
+    const std::string onFaces = folder / "faces.glb";
+    ASSERT_EQ(run("bake builtin:arcade -o " + onFaces + " --rays 16 --storage-tolerance 0.2").code, 0);
+    expectRefusal("render " + onFaces + " -o " + (folder / "f.png") + " --light-at vertices", 1, "samples on its faces");
     const std::string out = folder / "o.glb";
     for (const char* tolerance : {"0", "-1", "nan", "inf", "much"})
         expectRefusal("bake builtin:room-1 -o " + out + " --model auto --tolerance " + tolerance, 2, "--tolerance");

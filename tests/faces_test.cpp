@@ -310,11 +310,12 @@ TEST(BakeScene, StoresWhatVerticesCannot) {
     measure.shadowMap = false;
     measure.lightRadii = {5};
     measure.receivers = 300;
+    FaceReport report;
     const auto baked = [&](At at, int threads) {
         BakeOptions options;
         options.at = at;
         options.threads = threads;
-        Asset out{scene, bakeScene(scene, tracer, options), {}};
+        Asset out{scene, bakeScene(scene, tracer, options, {}, nullptr, nullptr, &report), {}};
         return out;
     };
     const Asset faces = baked(At::Faces, 1), again = baked(At::Faces, 3);
@@ -324,6 +325,18 @@ TEST(BakeScene, StoresWhatVerticesCannot) {
     EXPECT_GT(coarse.rmse, 2 * fine.own);  // the box stands where no vertex of the floor is
     EXPECT_LT(fine.rmse, 1.5 * fine.own);
     EXPECT_LT(fine.ambient, 0.02);
+    // The report says about what is measured, though it knows nothing of these receivers.
+    baked(At::Faces, 0);
+    const double added = std::sqrt(fine.rmse * fine.rmse - fine.own * fine.own);
+    EXPECT_GT(report.error, 0.4 * added);
+    EXPECT_LT(report.error, 1.6 * added);
+    EXPECT_LT(report.skyError, 1.6 * fine.ambient);
+    // A program that loses the samples is left with what would have been stored at the vertices alone.
+    Asset lost = faces;
+    for (SeenByInstance& seen : lost.seen) seen.faces = {};
+    const MeasureRow left = measureAsset(lost, measure).rows[0];
+    EXPECT_LT(left.rmse, 1.02 * coarse.rmse);
+    EXPECT_LT(left.ambient, 1.02 * coarse.ambient);
     // The box's own faces each see the same everywhere: samples go to the floor.
     EXPECT_LT(8 * faces.seen[1].faces.visibility.size(), faces.seen[0].faces.visibility.size());
     for (size_t i = 0; i < scene.instances.size(); ++i) {
@@ -347,7 +360,15 @@ TEST(BakeScene, KeepsWithinItsBytes) {
         EXPECT_LE(visibilityBytes(asset), 3000u) << recipe;
         EXPECT_GT(report.samples, 50u) << recipe;
         EXPECT_GT(report.unmet, 0) << recipe;
+        EXPECT_TRUE(report.full && !report.overfull) << recipe;
     }
+    BakeOptions options;
+    options.rays = 16;
+    options.maxBytes = 10;
+    FaceReport report;
+    bakeScene(scene, tracer, options, {}, nullptr, nullptr, &report);
+    EXPECT_TRUE(report.overfull);
+    EXPECT_EQ(report.samples, 0u);
 }
 
 TEST(Seams, AreWhatSamplesOnTheTwoSidesDiffer) {

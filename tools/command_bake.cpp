@@ -63,15 +63,25 @@ void run(const Arguments& a) {
     }
     std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices, triangleCount(scene),
                 a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
+    const auto little = [](double error) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.3g", error);
+        return error > 0 ? std::string(text) : "too little to tell";
+    };
     if (report.samples > 0)
         std::printf(
-            "  %zu samples on faces add %.3g to the model's own error, by what was asked for at most %.3g; %.3g rays "
-            "were traced for each one stored\n",
-            report.samples, report.error, report.tolerance,
+            "  %zu samples on faces. Between what is stored a light of 5 degrees errs by %s beside the model's own error, and the sky by "
+            "%s "
+            "(wanted: %.3g and %.3g)\n  %.3g times the rays of all vertices and samples were traced, to decide where those are\n",
+            report.samples, little(report.error).c_str(), little(report.skyError).c_str(), report.tolerance, report.skyTolerance,
             double(report.rays + vertices * size_t(a.bake.rays)) / (double(vertices + report.samples) * a.bake.rays));
+    if (report.overfull)
+        std::printf("  the vertices alone take more than --max-bytes %.10g\n", a.bake.maxBytes);
+    else if (report.full)
+        std::printf("  finer samples would take more than --max-bytes %.10g\n", a.bake.maxBytes);
     if (report.unmet > 0)
-        std::printf("  %.3g %% of the surface errs more than that and is refined no further: %s\n", 100 * report.unmet,
-                    a.bake.maxBytes > 0 ? "--max-bytes is reached, or finer samples do not help" : "finer samples do not help");
+        std::printf("  %.3g %% of the surface errs more than is wanted%s\n", 100 * report.unmet,
+                    report.full || report.overfull ? "" : "; finer samples would gain it too little for the bytes they take");
     if (report.buried > 0) std::printf("  %.3g %% of the surface lies inside solids and gets no samples\n", 100 * report.buried);
     if (isHeightMap(a.scene) && !a.spacingGiven)
         std::printf("  texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise\n");

@@ -79,6 +79,8 @@ void run(const Arguments& a) {
         notes = asset.scene.notes;
         if (own) model = storedModel(asset.info);
         if (own && !model) model = findModel("soft");
+        if (a.lightAt == "vertices" && hasSamplesOnFaces(asset))
+            throw Error(a.file + ": has samples on its faces, which --light-at vertices would leave out; bake it with --at vertices");
         const Gpu gpu;
         Renderer renderer(gpu, asset);
         if (model) {

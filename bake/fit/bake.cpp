@@ -147,6 +147,7 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
         for (size_t i = 0; i < out.size(); ++i) out[i].faces = std::move(fitted[i].faces);
         faces.bakeSamples(out, source, sampling, part(progress, 0.8, 1));
     }
+    faces.judge(out);
     if (report) *report = faces.report();
     return out;
 }

@@ -8,6 +8,7 @@
 
 #include "bake/fit/face_unknowns.h"
 #include "bake/sampling/directions.h"
+#include "bake/sampling/surface_points.h"
 #include "runtime/asset/faces.h"
 
 namespace apertura {
@@ -27,7 +28,9 @@ constexpr double kLittle = 65536;   // where what so many samples take counts as
 constexpr int kCoarse = 5;          // lattices up to this level are too coarse, or have too few witnesses, to tell what finer ones will do
 constexpr double kShared = 3;       // witnesses that the mean of a level's faces counts as
 constexpr int kMostRounds = 60;
-constexpr float kInside = 0.05f;  // how far a sample with no probes about it looks from inside its triangle, of the way to its middle
+constexpr int kReportPoints = 3000;  // over the surface, from which what is left of the error is estimated
+constexpr size_t kUnseen = 1 << 20;  // number of the first witness of a triangle that took no part in choosing its samples
+constexpr float kInside = 0.05f;     // how far a sample with no probes about it looks from inside its triangle, of the way to its middle
 
 // Probes that a lattice is fitted to: about three times as many as it has samples of its own; and witnesses that judge it.
 size_t probesFor(int level) {
@@ -40,6 +43,11 @@ size_t witnessesOn(double area, double mean) { return size_t(std::min(area / mea
 
 int samplesOn(int level) { return level ? latticeSize(latticeSteps(level)) : 0; }
 
+// Of a light's E / (L pi sin^2 r), and of the sky's E over pi.
+struct SquaredErrors {
+    double light = 0, sky = 0;
+};
+
 struct Face {
     uint32_t instance, triangle;
     double area;  // m2
@@ -47,8 +55,8 @@ struct Face {
     int level = 0;
     float tie = kTies[0];  // of kTies, that with which its lattice errs least
     std::vector<Probe> probes, witnesses;
-    double measured = 0;       // mean square error, by the witnesses that are not buried,
-    double error = 0;          // and with what its level errs taken into account
+    SquaredErrors measured;    // the means at the witnesses that are not buried
+    double error = 0;          // of both, with what its level errs taken into account
     double gain = kFirstGain;  // of its squared error, what a refinement is thought to take away
     double open = 1;           // the fraction of its probes that are not buried
 };
@@ -58,8 +66,7 @@ struct Face {
 class Judge {
 public:
     Judge() : lights_(fibonacciHemisphere(kJudgeLights)) {}
-    // In units of the squared error of a light; `skyWeight`: how many of them a unit of the sky's squared error is.
-    double squaredError(const Probe& witness, const Receiver& fitted, const glm::vec3& normal, double spin, double skyWeight) const {
+    SquaredErrors at(const Probe& witness, const Receiver& fitted, const glm::vec3& normal, double spin) const {
         const glm::mat3 frame = frameFromZ(normal, spin);
         const Receiver a = receiver(witness.halves[0], normal), b = receiver(witness.halves[1], normal),
                        both = receiver(witness.mean(), normal);
@@ -72,7 +79,7 @@ public:
             sum += (whole - value(b, light) - e) * (whole - value(a, light) - e);
         }
         const auto sky = [&](const Receiver& r) { return std::max(glm::dot(glm::vec3(r.visibility), normal), 0.0f) / std::numbers::pi; };
-        return sum / kJudgeLights + skyWeight * (sky(a) - sky(fitted)) * (sky(b) - sky(fitted));
+        return {sum / kJudgeLights, (sky(a) - sky(fitted)) * (sky(b) - sky(fitted))};
     }
 
 private:
@@ -101,30 +108,36 @@ void forNeighbours(int steps, const auto& tie) {
         }
 }
 
-Unknowns unknownsOf(const Scene& scene, size_t instance, std::span<const Face> faces) {
+// What is fitted: vertices and samples, or vertices alone, as if no face had samples.
+enum class Fitted { All, Vertices };
+int levelOf(const Face& face, Fitted what) { return what == Fitted::All ? face.level : 0; }
+
+Unknowns unknownsOf(const Scene& scene, size_t instance, std::span<const Face> faces, Fitted what = Fitted::All) {
     const size_t triangles = scene.surfaces[size_t(scene.instances[instance].surface)].triangles.size();
     std::vector<uint8_t> levels(triangles, 0);
     std::vector<bool> leans(triangles, false);
-    for (const Face& face : faces) levels[face.triangle] = uint8_t(face.level), leans[face.triangle] = face.leans;
+    for (const Face& face : faces) levels[face.triangle] = uint8_t(levelOf(face, what)), leans[face.triangle] = face.leans;
     return {scene, instance, std::move(levels), std::move(leans)};
 }
 
 // `seen`: what the vertices see, each a value more.
-LeastSquares equationsOf(const Unknowns& unknowns, std::span<const Face> faces, std::span<const Visibility> seen) {
+LeastSquares equationsOf(const Unknowns& unknowns, std::span<const Face> faces, std::span<const Visibility> seen,
+                         Fitted what = Fitted::All) {
     LeastSquares out(unknowns.count());
     for (size_t v = 0; v < seen.size(); ++v) out.add(std::array{Term(unknowns.vertex(v), 1.0f)}, seen[v], kVertexWeight);
     for (const Face& face : faces) {
-        if (face.level == 0 && face.leans) continue;  // its vertices look elsewhere
+        const int level = levelOf(face, what);
+        if (level == 0 && face.leans) continue;  // its vertices look elsewhere
         for (const Probe& probe : face.probes)
             if (!probe.buried) out.add(unknowns.point(face.triangle, probe.weights), probe.mean());
         const auto tie = [&](int a, int b) {
             const auto from = unknowns.sample(face.triangle, a), to = unknowns.sample(face.triangle, b);
             if (from.size() == 1 && to.size() == 1 && from[0].first != to[0].first) out.tie(from[0].first, to[0].first, face.tie);
         };
-        if (face.level == 0)
+        if (level == 0)
             tie(0, 1), tie(1, 2), tie(2, 0);
         else
-            forNeighbours(latticeSteps(face.level), tie);
+            forNeighbours(latticeSteps(level), tie);
     }
     return out;
 }
@@ -147,8 +160,10 @@ struct Faces::Impl {
         return std::span(faces).subspan(firstFace[instance], firstFace[instance + 1] - firstFace[instance]);
     }
 
-    // The mean squared error at a face's witnesses of what the renderer makes of `samples`, those of its lattice or its three corners.
-    double errorOf(const Face& face, std::span<const Visibility> samples) const {
+    double total(const SquaredErrors& e) const { return e.light + skyWeight * e.sky; }
+
+    // The mean squared errors at a face's witnesses of what the renderer makes of `samples`, those of its lattice or its three corners.
+    SquaredErrors errorsOf(const Face& face, std::span<const Visibility> samples) const {
         const Model& soft = models()[MODEL_SOFT];
         const Instance& placed = scene.instances[face.instance];
         const Surface& surface = scene.surfaces[size_t(placed.surface)];
@@ -161,7 +176,8 @@ struct Faces::Impl {
                     : normalMatrix(placed.toWorld) * surface.normals[corners[i]];
             params.push_back(toParams(soft, samples[i], nullptr, normal));
         }
-        double sum = 0, count = 0;
+        SquaredErrors sum;
+        double count = 0;
         for (size_t k = 0; k < face.witnesses.size(); ++k) {
             const Probe& witness = face.witnesses[k];
             if (witness.buried) continue;
@@ -175,11 +191,13 @@ struct Faces::Impl {
                 mix[0] += cell.weights[c] * params[at][0];
             }
             const glm::vec3 normal = prober.pointAt(face.instance, face.triangle, witness.weights).normal;
-            sum += judge.squaredError(witness, renormalised(MODEL_SOFT, toReceiver(visibility, mix, normal)), normal,
-                                      2 * std::numbers::pi * hashUnit(seed, face.triangle, 17 + k), skyWeight);
+            const SquaredErrors here = judge.at(witness, renormalised(MODEL_SOFT, toReceiver(visibility, mix, normal)), normal,
+                                                2 * std::numbers::pi * hashUnit(seed, face.triangle, 17 + k));
+            sum.light += here.light, sum.sky += here.sky;
             ++count;
         }
-        return count > 0 ? sum / count : 0;
+        if (count > 0) sum.light /= count, sum.sky /= count;
+        return sum;
     }
 
     void addProbes(Face& face, size_t probes, size_t witnesses) const {
@@ -218,7 +236,7 @@ struct Faces::Impl {
         for (const Probe& probe : face.probes)
             if (!probe.buried) equations.add(termsOf(latticeCell(probe.weights, steps)), probe.mean());
         forNeighbours(steps, [&](int a, int b) { equations.tie(uint32_t(a), uint32_t(b), tie); });
-        return errorOf(face, equations.solve());
+        return total(errorsOf(face, equations.solve()));
     }
 
     // Fits the faces of an instance together, and calls use(face, samples) for each that isWanted(face).
@@ -254,7 +272,7 @@ struct Faces::Impl {
         tbb::parallel_for(size_t(0), scene.instances.size(), [&](size_t i) {
             if (!refined.empty() && near[i].empty()) return;
             fitTogether(
-                i, isWanted, [&](size_t f, std::span<const Visibility> samples) { faces[f].measured = errorOf(faces[f], samples); },
+                i, isWanted, [&](size_t f, std::span<const Visibility> samples) { faces[f].measured = errorsOf(faces[f], samples); },
                 [](const Unknowns&, const std::vector<Visibility>&) {});
         });
         shareErrors();
@@ -267,13 +285,13 @@ struct Faces::Impl {
     void shareErrors() {
         double sum[MAX_LATTICE_LEVEL + 1]{}, area[MAX_LATTICE_LEVEL + 1]{};
         for (const Face& face : faces)
-            if (!isBlind(face)) sum[face.level] += face.measured * face.area, area[face.level] += face.area;
+            if (!isBlind(face)) sum[face.level] += total(face.measured) * face.area, area[face.level] += face.area;
         for (Face& face : faces) {
-            face.error = face.measured;
+            face.error = total(face.measured);
             if (!(area[face.level] > 0)) continue;
             const auto seeing = double(
                 std::count_if(face.witnesses.begin(), face.witnesses.end(), [](const Probe& p) { return !p.buried; }));
-            face.error = (seeing * face.measured + kShared * sum[face.level] / area[face.level]) / (seeing + kShared);
+            face.error = (seeing * face.error + kShared * sum[face.level] / area[face.level]) / (seeing + kShared);
         }
     }
 };
@@ -336,7 +354,12 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
     const double little = kLittle * options.bytesASample;
     const double allowed = options.tolerance * options.tolerance * area;
     for (const Face& face : impl.faces) bytes += options.bytesASample * samplesOn(face.level);
-    bool full = false;
+    if (options.maxBytes > 0 && bytes > options.maxBytes) {
+        for (Face& face : impl.faces) face.level = 0;
+        bytes = options.bytesElsewhere;
+        impl.measure();
+    }
+    bool full = false, settled = false;
     std::vector<size_t> refined;  // since all were judged
     // Faces are refined each by itself, and then judged again as they are when all are fitted together.
     for (int round = 0, since = 0; round < kMostRounds; ++round, ++since) {
@@ -371,13 +394,16 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
             if (error <= enough) break;
             // Where bytes remove so little, the rest of the error is not one of too few samples.
             if (step.worth < least) break;
-            if (options.maxBytes > 0 && bytes + step.cost > options.maxBytes) continue;
+            if (options.maxBytes > 0 && bytes + step.cost > options.maxBytes) {
+                full = true;
+                continue;
+            }
             bytes += step.cost;
             error -= step.gain;
             chosen.push_back(step.face);
         }
         if (chosen.empty()) {
-            full = true;
+            settled = true;
             break;
         }
         refined.insert(refined.end(), chosen.begin(), chosen.end());
@@ -396,16 +422,41 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
     FaceReport& report = impl.report;
     report = {};
     report.tolerance = options.tolerance;
+    report.skyTolerance = kSkyTolerance;
+    report.full = full;
+    report.overfull = options.maxBytes > 0 && options.bytesElsewhere > options.maxBytes;
     report.rays = impl.prober.rays();
     for (const Face& face : impl.faces) {
-        report.error += face.area * face.open * face.error;
-        if (face.error > options.tolerance * options.tolerance && (full || face.level == MAX_LATTICE_LEVEL))
+        if (face.error > options.tolerance * options.tolerance && (settled || face.level == MAX_LATTICE_LEVEL))
             report.unmet += face.area * face.open;
         report.samples += size_t(samplesOn(face.level));
     }
-    report.error = std::sqrt(std::max(report.error, 0.0) / std::max(area, 1e-300));
     report.unmet /= std::max(area, 1e-300);
     report.buried = 1 - area / std::max(whole, 1e-300);
+}
+
+void Faces::judge(const BakedVisibility& stored) {
+    const Impl& impl = *impl_;
+    const std::vector<SurfaceSample> points = sampleSurface(impl.scene, kReportPoints, impl.seed + 1);
+    std::vector<SquaredErrors> errors(points.size());
+    std::vector<uint8_t> seen(points.size());
+    tbb::parallel_for(size_t(0), points.size(), [&](size_t k) {
+        const SeenByInstance& own = stored[size_t(points[k].instance)];
+        Face face{uint32_t(points[k].instance), uint32_t(points[k].triangle), 0, false};
+        face.level = own.faces.level(face.triangle);
+        face.witnesses = {impl.prober.witness(face.instance, face.triangle, kUnseen + k)};
+        std::vector<Visibility> samples;
+        for (int i = 0; i < samplesOn(face.level); ++i) samples.push_back(own.faces.visibility[own.faces.first[face.triangle] + size_t(i)]);
+        if (face.level == 0)
+            for (const uint32_t v : impl.surfaceOf(face.instance).triangles[face.triangle]) samples.push_back(own.visibility[v]);
+        seen[k] = !face.witnesses[0].buried;
+        errors[k] = impl.errorsOf(face, samples);
+    });
+    SquaredErrors sum;
+    double count = 0;
+    for (size_t k = 0; k < points.size(); ++k) sum.light += errors[k].light, sum.sky += errors[k].sky, count += seen[k];
+    impl_->report.error = std::sqrt(std::max(sum.light, 0.0) / std::max(count, 1.0));
+    impl_->report.skyError = std::sqrt(std::max(sum.sky, 0.0) / std::max(count, 1.0));
 }
 
 BakedVisibility Faces::fit() const {
@@ -427,6 +478,16 @@ BakedVisibility Faces::fit() const {
             [&](const Unknowns& unknowns, const std::vector<Visibility>& values) {
                 for (size_t v = 0; v < surface.positions.size(); ++v) out[i].visibility.push_back(values[unknowns.vertex(v)]);
             });
+        if (!any) return;
+        // Vertices that no face goes by are for programs that lose the samples: they are as if there were none.
+        std::vector<bool> used(surface.positions.size(), false);
+        for (const Face& face : impl.facesOf(i))
+            for (const uint32_t v : surface.triangles[face.triangle]) used[v] = used[v] || face.level == 0;
+        const Unknowns unknowns = unknownsOf(impl.scene, i, impl.facesOf(i), Fitted::Vertices);
+        const std::vector<Visibility> values =
+            equationsOf(unknowns, impl.facesOf(i), impl.vertices[i].visibility, Fitted::Vertices).solve();
+        for (size_t v = 0; v < surface.positions.size(); ++v)
+            if (!used[v]) out[i].visibility[v] = values[unknowns.vertex(v)];
     });
     return out;
 }

@@ -15,13 +15,17 @@ struct FaceOptions {
 
 // What was decided, and at what cost.
 struct FaceReport {
-    double tolerance = 0;  // what was to be met
-    double error = 0;      // what is left, by the probes
-    double unmet = 0;      // fraction of the area, buried parts left out, of triangles that err more than the tolerance and are refined no
-                           // further
-    double buried = 0;     // fraction of the area inside solids
-    size_t samples = 0;    // on faces
-    size_t rays = 0;       // traced to decide and to bake them; not those of the vertices
+    double tolerance = 0;     // what was to be met: RMSE of E / (L pi sin^2 r), a light of 5 degrees,
+    double skyTolerance = 0;  // and RMSE of the sky's E over pi
+    double error = 0;         // what is left of the two: 0 where it is too little to tell
+    double skyError = 0;
+    double unmet = 0;       // fraction of the area, buried parts left out, of triangles that err more than the tolerance and are refined no
+                            // further
+    bool full = false;      // maxBytes kept some faces as they are
+    bool overfull = false;  // the vertices alone take more than that
+    double buried = 0;      // fraction of the area inside solids
+    size_t samples = 0;     // on faces
+    size_t rays = 0;        // traced to decide and to bake them; not those of the vertices
 };
 
 // The triangles of a scene with their probes, and how finely each is to be sampled.
@@ -37,6 +41,10 @@ public:
     // Refines triangles, those first where it lowers the error times the area most for a byte, until the options are met. Throws
     // Cancelled.
     void refine(const FaceOptions& options, const Progress& progress);
+
+    // Sets the errors of the report, at new points over the surface: those that samples were chosen by think too well of them.
+    //   stored  what `fit` returned, or what was baked in its place
+    void judge(const BakedVisibility& stored);
 
     // Fits the four numbers of all vertices and samples, together over all faces that meet smoothly.
     BakedVisibility fit() const;

@@ -399,6 +399,10 @@ const Model* storedModel(const BakeInfo& info) {
     return model && model->isStored() && model->name == info.model ? model : nullptr;  // not by an alias: see kFromFour
 }
 
+bool hasSamplesOnFaces(const Asset& asset) {
+    return std::any_of(asset.seen.begin(), asset.seen.end(), [](const SeenByInstance& seen) { return !seen.faces.visibility.empty(); });
+}
+
 double bytesAPoint(const Asset& asset) {
     const Model* stored = storedModel(asset.info);
     double numbers = 0, points = 0;

@@ -57,6 +57,8 @@ struct Asset {
 // The model whose parameters the asset stores; nullptr if it stores the four numbers alone.
 const Model* storedModel(const BakeInfo& info);
 
+bool hasSamplesOnFaces(const Asset& asset);
+
 // Mean bytes per vertex, and per sample on a face: the four numbers and what is stored beside them.
 double bytesAPoint(const Asset& asset);
 

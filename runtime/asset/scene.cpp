@@ -16,8 +16,9 @@ constexpr float kFarthest = 1e15f;    // metres; squares of longer lengths may o
 constexpr double kSingular = 1e-300;  // transforms with a determinant up to this are singular
 constexpr float kLeaning = 0.8f;      // cosine between a face and a vertex's normal below which that is not the face's
 constexpr double kPlaneSteps = 4096;  // steps per unit of a normal's component; planes whose normals round to the same are one
-// Memory while baking, measured: per vertex the point, the four numbers and a model's parameters; per triangle the tracer.
-constexpr double kBytesAVertex = 150, kBytesATriangle = 150;
+// Memory while baking, measured: per vertex the point, the four numbers and a model's parameters; per triangle the tracer, and what its
+// samples are fitted to.
+constexpr double kBytesAVertex = 150, kBytesATriangle = 600;
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 

@@ -67,10 +67,6 @@ PartLimits partLimits(const Gpu& gpu, int frames) {
             .triangles = bytes / (4 * sizeof(uint32_t))};
 }
 
-bool hasSamplesOnFaces(const Asset& asset) {
-    return std::any_of(asset.seen.begin(), asset.seen.end(), [](const SeenByInstance& seen) { return !seen.faces.visibility.empty(); });
-}
-
 }  // namespace
 
 struct Renderer::State {
