@@ -371,6 +371,27 @@ TEST(BakeScene, KeepsWithinItsBytes) {
     EXPECT_EQ(report.samples, 0u);
 }
 
+TEST(BakeScene, VerticesThatNoTriangleHasWeighNothing) {
+    // An open plane of which each vertex is there twice.
+    Surface plane;
+    for (int copy = 0; copy < 2; ++copy)
+        for (const glm::vec3& p : {glm::vec3(-1, 0, -1), glm::vec3(1, 0, -1), glm::vec3(1, 0, 1), glm::vec3(-1, 0, 1)})
+            plane.positions.push_back(p);
+    plane.normals.assign(8, {0, 1, 0});
+    plane.triangles = {{0, 2, 1}, {0, 3, 2}};
+    Scene scene;
+    scene.name = "a plane";
+    scene.surfaces = {plane};
+    scene.instances = {{0}};
+    for (const At at : {At::Vertices, At::Faces}) {
+        BakeOptions options;
+        options.rays = 64;
+        options.at = at;
+        const BakedVisibility seen = bakeScene(scene, Tracer(scene), options);
+        for (size_t v = 0; v < 4; ++v) EXPECT_NEAR(seen[0].visibility[v].area, 2 * pi, 1e-3) << v;
+    }
+}
+
 TEST(Seams, AreWhatSamplesOnTheTwoSidesDiffer) {
     // Two triangles of one plane, of unequal density, open and closed: every light but what lies below jumps by all that it is.
     Scene scene = boxOnFloor();

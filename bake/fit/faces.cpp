@@ -121,10 +121,14 @@ Unknowns unknownsOf(const Scene& scene, size_t instance, std::span<const Face> f
 }
 
 // `seen`: what the vertices see, each a value more.
-LeastSquares equationsOf(const Unknowns& unknowns, std::span<const Face> faces, std::span<const Visibility> seen,
+LeastSquares equationsOf(const Unknowns& unknowns, std::span<const Face> faces, const Surface& surface, std::span<const Visibility> seen,
                          Fitted what = Fitted::All) {
     LeastSquares out(unknowns.count());
-    for (size_t v = 0; v < seen.size(); ++v) out.add(std::array{Term(unknowns.vertex(v), 1.0f)}, seen[v], kVertexWeight);
+    std::vector<bool> used(seen.size(), false);  // a vertex that no triangle has saw nothing
+    for (const Face& face : faces)
+        for (const uint32_t v : surface.triangles[face.triangle]) used[v] = true;
+    for (size_t v = 0; v < seen.size(); ++v)
+        if (used[v]) out.add(std::array{Term(unknowns.vertex(v), 1.0f)}, seen[v], kVertexWeight);
     for (const Face& face : faces) {
         const int level = levelOf(face, what);
         if (level == 0 && face.leans) continue;  // its vertices look elsewhere
@@ -242,7 +246,8 @@ struct Faces::Impl {
     // Fits the faces of an instance together, and calls use(face, samples) for each that isWanted(face).
     void fitTogether(size_t instance, const auto& isWanted, const auto& use, const auto& useVertices) const {
         const Unknowns unknowns = unknownsOf(scene, instance, facesOf(instance));
-        const std::vector<Visibility> values = equationsOf(unknowns, facesOf(instance), vertices[instance].visibility).solve();
+        const std::vector<Visibility> values =
+            equationsOf(unknowns, facesOf(instance), surfaceOf(instance), vertices[instance].visibility).solve();
         tbb::parallel_for(firstFace[instance], firstFace[instance + 1], [&](size_t f) {
             if (!isWanted(f)) return;
             const Face& face = faces[f];
@@ -426,6 +431,8 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
     report.full = full;
     report.overfull = options.maxBytes > 0 && options.bytesElsewhere > options.maxBytes;
     report.rays = impl.prober.rays();
+    area = 0;  // the faces' open parts are better known now
+    for (const Face& face : impl.faces) area += face.area * face.open;
     for (const Face& face : impl.faces) {
         if (face.error > options.tolerance * options.tolerance && (settled || face.level == MAX_LATTICE_LEVEL))
             report.unmet += face.area * face.open;
@@ -485,7 +492,7 @@ BakedVisibility Faces::fit() const {
             for (const uint32_t v : surface.triangles[face.triangle]) used[v] = used[v] || face.level == 0;
         const Unknowns unknowns = unknownsOf(impl.scene, i, impl.facesOf(i), Fitted::Vertices);
         const std::vector<Visibility> values =
-            equationsOf(unknowns, impl.facesOf(i), impl.vertices[i].visibility, Fitted::Vertices).solve();
+            equationsOf(unknowns, impl.facesOf(i), surface, impl.vertices[i].visibility, Fitted::Vertices).solve();
         for (size_t v = 0; v < surface.positions.size(); ++v)
             if (!used[v]) out[i].visibility[v] = values[unknowns.vertex(v)];
     });

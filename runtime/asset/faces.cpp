@@ -186,7 +186,11 @@ void readFaces(Asset& asset, const Json& described, std::span<const std::vector<
     const int bits = samples["componentType"] == kShort ? 16 : 8;
     if (!samples.value("normalized", false) || (bits == 8 && samples["componentType"] != kByte))
         throw damaged("are not of normalised bytes or shorts");
-    if (document.json["accessors"][*levelsAt]["componentType"] != kUnsignedByte) throw damaged("have levels that are not bytes");
+    const auto isPlainBytes = [&](size_t accessor) {
+        const Json& json = document.json["accessors"][accessor];
+        return json["componentType"] == kUnsignedByte && !json.value("normalized", false);
+    };
+    if (!isPlainBytes(*levelsAt)) throw damaged("have levels that are not bytes");
     if (accessorCount(document, *levelsAt) != triangleCount(scene)) throw damaged("have not one level for each triangle");
     const std::vector<float> levels = readAccessor(document, *levelsAt, 1);
     const size_t count = accessorCount(document, *samplesAt);
@@ -205,7 +209,7 @@ void readFaces(Asset& asset, const Json& described, std::span<const std::vector<
         const std::optional<size_t> at = findAccessor(document.json, kNumbers);
         if (!at && stored->stored[0] != Field::None) return withoutFaces("are gone");
         if (at) {
-            if (document.json["accessors"][*at]["componentType"] != kUnsignedByte) throw damaged("have numbers that are not bytes");
+            if (!isPlainBytes(*at)) throw damaged("have numbers that are not bytes");
             for (const float byte : readAccessor(document, *at, 1)) numberBytes.push_back(static_cast<unsigned char>(byte));
         }
         numbers = numberBytes;

@@ -16,9 +16,9 @@ constexpr float kFarthest = 1e15f;    // metres; squares of longer lengths may o
 constexpr double kSingular = 1e-300;  // transforms with a determinant up to this are singular
 constexpr float kLeaning = 0.8f;      // cosine between a face and a vertex's normal below which that is not the face's
 constexpr double kPlaneSteps = 4096;  // steps per unit of a normal's component; planes whose normals round to the same are one
-// Memory while baking, measured: per vertex the point, the four numbers and a model's parameters; per triangle the tracer, and what its
-// samples are fitted to.
-constexpr double kBytesAVertex = 150, kBytesATriangle = 600;
+// Memory while baking, measured: per vertex the point, the four numbers and a model's parameters; per triangle the tracer, and in each
+// instance what its samples are fitted to.
+constexpr double kBytesAVertex = 150, kBytesATriangle = 150, kBytesAFace = 450;
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -208,7 +208,7 @@ void validate(const Scene& scene) {
     double triangles = 0;
     for (const Surface& surface : scene.surfaces) triangles += double(surface.triangles.size());
     requireMemory(scene.name, "its " + std::to_string(scene.instances.size()) + " instances",
-                  vertices * kBytesAVertex + triangles * kBytesATriangle);
+                  vertices * kBytesAVertex + triangles * kBytesATriangle + double(triangleCount(scene)) * kBytesAFace);
     for (const Surface& surface : scene.surfaces) {
         for (const glm::vec3& p : surface.positions)
             if (!finite(p)) throw Error(scene.name + ": a vertex position is not a finite number");
