@@ -212,6 +212,9 @@ void run(Arguments a) {
     for (const Model* model : asked)
         if (a.whole.empty() && model->fromVisibility) wholes.push_back(model);
     if (bool none = false; !a.whole.empty()) wholes = parseModels(a.whole, none);
+    for (const Model* model : wholes)
+        if (std::find(asked.begin(), asked.end(), model) == asked.end())
+            throw CLI::ValidationError("--whole: " + std::string(model->name) + " is not one of --models");
     std::vector<int> classes;
     for (const double radius : a.measure.lightRadii)
         if (const int c = classOf(radius); std::find(classes.begin(), classes.end(), c) == classes.end()) classes.push_back(c);

@@ -1,6 +1,7 @@
 #include "bake/scene/isolated.h"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -58,6 +59,7 @@ void limitResources(const ResourceLimits& limits) {
 [[noreturn]] void child(int to, const ResourceLimits& limits, const std::function<void(PipeWriter&)>& read) {
     for (int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGXCPU}) std::signal(signal, SIG_DFL);
     std::signal(SIGPIPE, SIG_IGN);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // it does not outlive its parent
     const int silence = open("/dev/null", O_WRONLY);
     dup2(silence, STDERR_FILENO);
     limitResources(limits);
