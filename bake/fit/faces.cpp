@@ -6,6 +6,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "bake/fit/face_judge.h"
 #include "bake/fit/face_unknowns.h"
 #include "bake/sampling/directions.h"
 #include "bake/sampling/surface_points.h"
@@ -18,15 +19,13 @@ constexpr double kNoArea = 1e-10;            // a triangle has no area up to thi
 constexpr float kVertexWeight = 4;           // of what a vertex itself sees, beside a probe: it has four times the rays
 constexpr float kTies[] = {0.03f, 0.5f, 8};  // how strongly neighbouring samples may be drawn together, where a probe's weight is 1
 constexpr double kSkyTolerance = 0.012;      // RMSE of the sky's E, over pi, that storing may add
-constexpr int kJudgeLights = 24;             // over the hemisphere, of kJudgeRadius degrees
-constexpr double kJudgeRadius = 5;
-constexpr double kFirstGain = 0.5;  // the fraction of its squared error that a triangle is thought to lose by its first refinement
-constexpr double kBulk = 0.2;       // the part of the squared error that one round of refinement aims to remove
-constexpr double kWorth = 0.4;      // the least fraction of the squared error that must go for a fraction of the bytes spent already: by a
-                                    // tenth more bytes, four in a hundred,
-constexpr double kLittle = 65536;   // where what so many samples take counts as spent
-constexpr int kCoarse = 5;          // lattices up to this level are too coarse, or have too few witnesses, to tell what finer ones will do
-constexpr double kShared = 3;       // witnesses that the mean of a level's faces counts as
+constexpr double kFirstGain = 0.5;           // the fraction of its squared error that a triangle is thought to lose by its first refinement
+constexpr double kBulk = 0.2;                // the part of the squared error that one round of refinement aims to remove
+constexpr double kWorth = 0.4;     // the least fraction of the squared error that must go for a fraction of the bytes spent already: by a
+                                   // tenth more bytes, four in a hundred,
+constexpr double kLittle = 65536;  // where what so many samples take counts as spent
+constexpr int kCoarse = 5;         // lattices up to this level are too coarse, or have too few witnesses, to tell what finer ones will do
+constexpr double kShared = 3;      // witnesses that the mean of a level's faces counts as
 constexpr int kMostRounds = 60;
 constexpr int kReportPoints = 3000;  // over the surface, from which what is left of the error is estimated
 constexpr size_t kUnseen = 1 << 20;  // number of the first witness of a triangle that took no part in choosing its samples
@@ -43,11 +42,6 @@ size_t witnessesOn(double area, double mean) { return size_t(std::min(area / mea
 
 int samplesOn(int level) { return level ? latticeSize(latticeSteps(level)) : 0; }
 
-// Of a light's E / (L pi sin^2 r), and of the sky's E over pi.
-struct SquaredErrors {
-    double light = 0, sky = 0;
-};
-
 struct Face {
     uint32_t instance, triangle;
     double area;  // m2
@@ -59,37 +53,6 @@ struct Face {
     double error = 0;          // of both, with what its level errs taken into account
     double gain = kFirstGain;  // of its squared error, what a refinement is thought to take away
     double open = 1;           // the fraction of its probes that are not buried
-};
-
-// The squared error, at a witness, of the light through the `soft` aperture between samples and of the sky's: nearly unbiased, since the
-// witness's halves have noises of their own.
-class Judge {
-public:
-    Judge() : lights_(fibonacciHemisphere(kJudgeLights)) {}
-    SquaredErrors at(const Probe& witness, const Receiver& fitted, const glm::vec3& normal, double spin) const {
-        const glm::mat3 frame = frameFromZ(normal, spin);
-        const Receiver a = receiver(witness.halves[0], normal), b = receiver(witness.halves[1], normal),
-                       both = receiver(witness.mean(), normal);
-        double sum = 0;
-        for (const glm::vec3& l : lights_) {
-            const CapLight light = capLight(frame * l, float(std::sin(kJudgeRadius * std::numbers::pi / 180)));
-            // Few rays make the aperture of a small opening sharper than it is, and twice as many half as much too sharp: each half is
-            // replaced by what it would add to the light if light were linear in visibility.
-            const double e = value(fitted, light), whole = 2 * value(both, light);
-            sum += (whole - value(b, light) - e) * (whole - value(a, light) - e);
-        }
-        const auto sky = [&](const Receiver& r) { return std::max(glm::dot(glm::vec3(r.visibility), normal), 0.0f) / std::numbers::pi; };
-        return {sum / kJudgeLights, (sky(a) - sky(fitted)) * (sky(b) - sky(fitted))};
-    }
-
-private:
-    static Receiver receiver(const Visibility& v, const glm::vec3& normal) {
-        return toReceiver(models()[MODEL_SOFT], clampToPossible(v), normal);
-    }
-    static double value(const Receiver& r, const CapLight& light) {
-        return irradianceThrough(MODEL_SOFT, r, light, LIGHTS_MEDIUM) / light.area;
-    }
-    std::vector<glm::vec3> lights_;
 };
 
 std::array<Term, 3> termsOf(const LatticeCell& cell) {

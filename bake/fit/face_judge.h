@@ -1,0 +1,28 @@
+#pragma once
+// What the light between samples errs, at points that are looked at by rays.
+#include <vector>
+
+#include "bake/sampling/probes.h"
+#include "sh/shading.h"
+
+namespace apertura {
+
+// Of a light's E / (L pi sin^2 r), and of the sky's E over pi.
+struct SquaredErrors {
+    double light = 0, sky = 0;
+};
+
+// Judges what is made of samples through the `soft` aperture. Nearly unbiased, since the two halves of a witness have noises of their own.
+class Judge {
+public:
+    Judge();
+    //   fitted  what the renderer makes of the samples about the witness
+    //   normal  there, unit, world
+    //   spin    of the lights about it, radians
+    SquaredErrors at(const Probe& witness, const Receiver& fitted, const glm::vec3& normal, double spin) const;
+
+private:
+    std::vector<glm::vec3> lights_;
+};
+
+}  // namespace apertura
