@@ -251,6 +251,11 @@ TEST(FaceSamples, OfOtherTrianglesAreLeftAlone) {
         for (Json& accessor : json["accessors"])
             if (accessor.value("name", "") == "_VISIBILITY_SAMPLES") accessor.erase("name");
     });
+    // Samples that no bytes stand for: glTF takes them for 0.
+    lonely([](Json& json) {
+        for (Json& accessor : json["accessors"])
+            if (accessor.value("name", "") == "_VISIBILITY_SAMPLES") accessor.erase("bufferView");
+    });
     // Accessors may stand in another order: they are found by their names.
     const Asset same = readAsset(changed(folder, folder / "a.glb", [](Json&) {}));
     EXPECT_EQ(same.seen[0].faces.levels, asset.seen[0].faces.levels);
@@ -264,13 +269,19 @@ TEST(FaceSamples, OfInstancesOfOneMeshAreNotTakenForEachOther) {
     asset.info.at = "faces";
     writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
     EXPECT_EQ(readAsset(folder / "a.glb").info.at, "faces");
-    const Asset back = readAsset(changed(folder, folder / "a.glb", [](Json& json) {
+    const auto swapped = [](Json& json) {
         Json& nodes = json["scenes"][0]["nodes"];
         ASSERT_EQ(nodes.size(), 3u);
         std::swap(nodes[1], nodes[2]);
-    }));
+    };
+    const Asset back = readAsset(changed(folder, folder / "a.glb", swapped));
     EXPECT_EQ(back.scene.notes.size(), 1u);
     EXPECT_TRUE(back.seen[1].faces.visibility.empty());
+    // Not even where their vertices see the same.
+    asset.seen[2].visibility = asset.seen[1].visibility;
+    writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
+    EXPECT_EQ(readAsset(folder / "a.glb").info.at, "faces");
+    EXPECT_EQ(readAsset(changed(folder, folder / "a.glb", swapped)).scene.notes.size(), 1u);
 }
 
 TEST(FaceSamples, ThatLieAreRefused) {
@@ -337,8 +348,8 @@ TEST(BakeScene, StoresWhatVerticesCannot) {
     const MeasureRow left = measureAsset(lost, measure).rows[0];
     EXPECT_LT(left.rmse, 1.02 * coarse.rmse);
     EXPECT_LT(left.ambient, 1.02 * coarse.ambient);
-    // The box's own faces each see the same everywhere: samples go to the floor.
-    EXPECT_LT(8 * faces.seen[1].faces.visibility.size(), faces.seen[0].faces.visibility.size());
+    // The box's own faces each see the same everywhere and have three samples, for their vertices lean: others go to the floor.
+    EXPECT_LT(4 * faces.seen[1].faces.visibility.size(), faces.seen[0].faces.visibility.size());
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         EXPECT_EQ(faces.seen[i].faces.levels, again.seen[i].faces.levels);
         for (size_t k = 0; k < faces.seen[i].faces.visibility.size(); ++k)
@@ -424,16 +435,18 @@ TEST(Seams, OfABakedSceneAreThoseOfItsBytes) {
     Asset asset{scene, bakeScene(scene, Tracer(scene), options), {}};
     asset.info.at = "faces";
     size_t unequal = 0;
-    const std::vector<const Model*> soft{findModel("soft")};
-    for (const Seam& seam : measureSeams(asset, soft, {5}, 100, 1)) {
+    const std::vector<const Model*> models{findModel("sh-l1"), findModel("soft")};
+    // Along an edge of unequal density the four numbers are the same from both sides; what `soft` makes of them at each sample, and is
+    // mixed between samples, is nearly so.
+    const auto bound = [&](const Seam& seam) { return seam.model == "soft" && seam.unequal ? 0.08 : 1e-4; };
+    for (const Seam& seam : measureSeams(asset, models, {5}, 100, 1)) {
         unequal += seam.unequal ? seam.edges : 0;
-        // Along an edge of unequal density the four numbers are the same from both sides; what `soft` makes of them at each sample, and is
-        // mixed between samples, is nearly so.
-        EXPECT_LT(seam.max, seam.unequal ? 0.02 : 1e-4);
+        EXPECT_LT(seam.max, bound(seam)) << seam.model << seam.unequal;
     }
     EXPECT_GT(unequal, 0u);
     writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
-    for (const Seam& seam : measureSeams(readAsset(folder / "a.glb"), soft, {5}, 100, 1)) EXPECT_LT(seam.max, 0.05) << seam.unequal;
+    for (const Seam& seam : measureSeams(readAsset(folder / "a.glb"), models, {5}, 100, 1))
+        EXPECT_LT(seam.max, bound(seam) + 0.04) << seam.model << seam.unequal;  // of bytes
 }
 
 // The device draws what receiverAt has: here, samples on faces that lie on the line between the vertices.

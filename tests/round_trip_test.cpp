@@ -183,6 +183,10 @@ TEST(RoundTrip, ListsOfBuffersGrowWithWhatToolsAdd) {
     ASSERT_EQ(ours["mergedBuffers"].size(), 2u);
     EXPECT_EQ(ours["mergedBuffers"][0]["content"]["name"], "first");
     EXPECT_EQ(ours["inputGenerator"], "a tool");
+    text.replace(text.find(R"([{"content)"), std::string(R"([{"content":{"name":"first"}}])").size(), "5");  // a list of another's
+    const Scene other = readGltf(folder.write("c.gltf", text));
+    writeAsset(folder / "o.glb", other, closedEverywhere(other), {});
+    EXPECT_EQ(jsonOf(folder / "o.glb")["asset"]["extras"]["apertura"]["mergedBuffers"].size(), 1u);
 }
 
 TEST(RoundTrip, ImagesKeepTheirKind) {

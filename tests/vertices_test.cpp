@@ -285,6 +285,29 @@ TEST(Vertices, PartsOfTwoSidedMaterialsAreSolidWhereTheyClose) {
     }
 }
 
+TEST(Vertices, AHouseWithAnOpenFrontIsNoSolid) {
+    // Ten metres by ten, four high, on a ground or alone; its front is open between two pillars. From behind its sheets, one ray in a
+    // hundred meets the sky.
+    for (const bool ground : {true, false}) {
+        Scene scene = sceneOf({panel({-5, 0, -5}, {0, 0, 10}, {0, 4, 0}, 1)});
+        Surface& house = scene.surfaces[0];
+        addPanel(house, {5, 0, 5}, {0, 0, -10}, {0, 4, 0}, 1);
+        addPanel(house, {5, 0, -5}, {-10, 0, 0}, {0, 4, 0}, 1);
+        addPanel(house, {-5, 4, 5}, {10, 0, 0}, {0, 0, -10}, 1);
+        addPanel(house, {-5, 0, 5}, {1, 0, 0}, {0, 4, 0}, 1);
+        addPanel(house, {4, 0, 5}, {1, 0, 0}, {0, 4, 0}, 1);
+        if (ground) {
+            scene.surfaces.push_back(panel({-20, 0, 20}, {40, 0, 0}, {0, 0, -40}, 1));
+            scene.instances.push_back({1, glm::mat4(1)});
+        }
+        for (Surface& surface : scene.surfaces) surface.twoSided = true;
+        const Tracer tracer(scene);
+        const Solids solids(scene, tracer);
+        EXPECT_EQ(solids.closedParts(), 0u) << ground;
+        EXPECT_EQ(solids.backsSeen({{0, 1, 0}, {0, 1, 0}}, 0), 0) << ground;
+    }
+}
+
 TEST(Vertices, PointInsideAClosedSolidIsCountedAndClosed) {
     Surface inner;
     addBlob(inner, {0, 0, 0}, 16, [](const glm::dvec3&) { return 0.3; });

@@ -145,8 +145,10 @@ void addBakeCommand(CLI::App& program) {
         ->check(CLI::IsMember({"vertices", "faces"}))
         ->type_name("vertices|faces");
     command
-        .add_option("--storage-tolerance", a->bake.storageTolerance,
-                    "RMSE of E / (L pi sin^2 r), at a light radius of 5 degrees, that storing may add [half of what the model errs]")
+        .add_option(
+            "--storage-tolerance", a->bake.storageTolerance,
+            "RMSE of E / (L pi sin^2 r), at a light radius of 5 degrees, and of the sky's E / pi, that storing may add [half of what "
+            "the model errs; of the sky .012]")
         ->check(finiteRange(1e-6, 1e6))
         ->type_name("RMSE");
     command.add_option("--max-bytes", a->bake.maxBytes, "that visibility may take in the file [no limit]")

@@ -13,20 +13,21 @@
 namespace apertura {
 namespace {
 
-// The choices of `auto`: the fraction of vertices with each model, and of those where none came within the tolerance.
+// The choices of `auto`: the fraction of vertices and samples with each model, and of those where none came within the tolerance.
 nlohmann::ordered_json describeChoices(const Asset& asset) {
     std::vector<size_t> counts(models().size());
-    size_t vertices = 0, unreached = 0;
+    size_t all = 0, unreached = 0;
     for (const SeenByInstance& seen : asset.seen)
-        for (const ModelParams& params : seen.allParams) {
-            ++vertices;
-            ++counts[size_t(chosenModel(models()[MODEL_AUTO], params).id)];
-            unreached += choiceIn(params[CHOICE_SLOT]).outOfReach;
-        }
+        for (const auto* points : {&seen.allParams, &seen.faces.allParams})
+            for (const ModelParams& params : *points) {
+                ++all;
+                ++counts[size_t(chosenModel(models()[MODEL_AUTO], params).id)];
+                unreached += choiceIn(params[CHOICE_SLOT]).outOfReach;
+            }
     nlohmann::ordered_json shares = nlohmann::json::object();
     double numbers = 0;
     for (const Model* model : autoModels()) {
-        const double share = double(counts[size_t(model->id)]) / double(std::max<size_t>(vertices, 1));
+        const double share = double(counts[size_t(model->id)]) / double(std::max<size_t>(all, 1));
         shares[std::string(model->name)] = share;
         numbers += share * model->numbers;
     }
@@ -35,7 +36,7 @@ nlohmann::ordered_json describeChoices(const Asset& asset) {
             {"alone", asset.info.alone},
             {"numbers_per_vertex", numbers},
             {"shares", shares},
-            {"unreached", double(unreached) / double(std::max<size_t>(vertices, 1))}};
+            {"unreached", double(unreached) / double(std::max<size_t>(all, 1))}};
 }
 
 nlohmann::ordered_json describe(const std::string& file) {
@@ -120,9 +121,9 @@ void print(const nlohmann::ordered_json& d) {
                 std::printf("%s%s on %.3g %%", std::exchange(between, ", "), name.c_str(), 100 * share.get<double>());
         const std::string alone = printable(a["alone"].get<std::string>());
         std::printf("%s%s\n", alone.empty() ? "" : "; as one model for the whole scene: ", alone.c_str());
-        std::printf("  reads         %.2f numbers a vertex\n", a["numbers_per_vertex"].get<double>());
+        std::printf("  reads         %.2f numbers a vertex or sample\n", a["numbers_per_vertex"].get<double>());
         if (a["unreached"].get<double>() > 0)
-            std::printf("                no model reached the tolerance at %.1f %% of the vertices\n", 100 * a["unreached"].get<double>());
+            std::printf("                no model reached the tolerance at %.1f %% of them\n", 100 * a["unreached"].get<double>());
         else
             std::printf("                the tolerance is within reach at every vertex\n");
     }

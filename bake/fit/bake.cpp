@@ -14,10 +14,11 @@
 namespace apertura {
 namespace {
 
-constexpr int kLambdaPoints = 400;     // points over the surface, from which the Lagrange multiplier of `auto` is found
-constexpr int kOwnPoints = 600;        // and those from which what a model itself errs is found,
-constexpr int kOwnRays = 1024;         // by at least so many rays
-constexpr double kStorageShare = 0.5;  // of the model's own error: what storing adds to it is then an eighth
+constexpr int kLambdaPoints = 400;       // points over the surface, from which the Lagrange multiplier of `auto` is found
+constexpr int kOwnPoints = 600;          // and those from which what a model itself errs is found,
+constexpr int kOwnRays = 1024;           // by at least so many rays
+constexpr double kStorageShare = 0.5;    // of the model's own error: what storing adds to it is then an eighth
+constexpr double kSkyTolerance = 0.012;  // RMSE of the sky's E, over pi, that storing may add
 
 // The RMSE of E / (L pi sin^2 r) that a recipe's model has at points of the surface that lie outside solids, under lights of 5 degrees.
 double ownErrorOf(const Scene& scene, const OcclusionSource& source, const Solids& solids, const BakeOptions& options,
@@ -127,9 +128,11 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     }
     if (issues) issues->large = 0;  // samples on them hold what their vertices cannot
     FaceOptions wanted;
-    wanted.tolerance = options.storageTolerance;
-    if (!(wanted.tolerance > 0))
+    wanted.tolerance = wanted.skyTolerance = options.storageTolerance;
+    if (!(options.storageTolerance > 0)) {
+        wanted.skyTolerance = kSkyTolerance;
         wanted.tolerance = kStorageShare * ownErrorOf(scene, source, solids, options, fitOptions, part(progress, 0.5, 0.55));
+    }
     wanted.maxBytes = options.maxBytes;
     wanted.isFitted = isFitted;
     size_t vertices = 0;

@@ -26,7 +26,8 @@ struct BakeOptions {
     int threads = 0;                 // 0: all cores
     // bakeScene only:
     At at = At::Faces;
-    double storageTolerance = 0;  // RMSE of E / (L pi sin^2 r), a light of 5 degrees, that storing may add; 0: half of what the model errs
+    double storageTolerance = 0;  // RMSE of E / (L pi sin^2 r), a light of 5 degrees, and of the sky's E over pi, that storing may add; 0:
+                                  // half of what the model errs, and .012
     double maxBytes = 0;          // of all visibility; 0: no limit
     int bits = 8;                 // that a number will be stored in, for what a sample takes
 };

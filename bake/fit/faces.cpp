@@ -18,7 +18,6 @@ namespace {
 constexpr double kNoArea = 1e-10;            // a triangle has no area up to this ratio of its area to its squared longest edge
 constexpr float kVertexWeight = 4;           // of what a vertex itself sees, beside a probe: it has four times the rays
 constexpr float kTies[] = {0.03f, 0.5f, 8};  // how strongly neighbouring samples may be drawn together, where a probe's weight is 1
-constexpr double kSkyTolerance = 0.012;      // RMSE of the sky's E, over pi, that storing may add
 constexpr double kFirstGain = 0.5;           // the fraction of its squared error that a triangle is thought to lose by its first refinement
 constexpr double kBulk = 0.2;                // the part of the squared error that one round of refinement aims to remove
 constexpr double kWorth = 0.4;     // the least fraction of the squared error that must go for a fraction of the bytes spent already: by a
@@ -293,7 +292,7 @@ Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& ve
             Face& face = impl.faces[f];
             const double size = std::sqrt(face.area / impl.meanArea);
             const bool isSmall = at == At::Vertices || (size < 1.5 && hashUnit(seed, f, 23) > std::max(size - 0.5, witnessed));
-            impl.addProbes(face, size_t(std::clamp(std::ceil(1.5 * size), 1.0, 24.0)),
+            impl.addProbes(face, size_t(std::clamp(at == At::Vertices ? std::ceil(1.5 * size) : std::round(size), 1.0, 24.0)),
                            isSmall ? 0 : size_t(std::clamp(size < 1.5 ? 1 : 2 * size, 1.0, 24.0)));
             impl.seekWitness(face);
             // What its vertices see is of another hemisphere than its own.
@@ -315,7 +314,7 @@ const FaceReport& Faces::report() const { return impl_->report; }
 
 void Faces::refine(const FaceOptions& options, const Progress& progress) {
     Impl& impl = *impl_;
-    impl.skyWeight = options.tolerance * options.tolerance / (kSkyTolerance * kSkyTolerance);
+    impl.skyWeight = options.tolerance * options.tolerance / (options.skyTolerance * options.skyTolerance);
     impl.measure();
     double area = 0, whole = 0, bytes = options.bytesElsewhere;
     for (const Face& face : impl.faces) area += face.area * face.open, whole += face.area;
@@ -390,7 +389,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
     FaceReport& report = impl.report;
     report = {};
     report.tolerance = options.tolerance;
-    report.skyTolerance = kSkyTolerance;
+    report.skyTolerance = options.skyTolerance;
     report.full = full;
     report.overfull = options.maxBytes > 0 && options.bytesElsewhere > options.maxBytes;
     report.rays = impl.prober.rays();

@@ -8,8 +8,9 @@ namespace apertura {
 struct FaceOptions {
     double tolerance = 0;  // RMSE of E / (L pi sin^2 r), a light of 5 degrees, by which interpolation may differ from what the model has at
                            // the point itself
-    double maxBytes = 0;   // of all visibility; 0: no limit
-    bool isFitted = true;  // fit() makes the samples, and may draw neighbours together as strongly as it helps
+    double skyTolerance = 0;                      // and RMSE of the sky's E over pi
+    double maxBytes = 0;                          // of all visibility; 0: no limit
+    bool isFitted = true;                         // fit() makes the samples, and may draw neighbours together as strongly as it helps
     double bytesASample = 4, bytesElsewhere = 0;  // what a sample takes, and all that is stored beside samples
 };
 

@@ -10,7 +10,7 @@
 namespace apertura {
 namespace {
 
-constexpr int kFewest = 8, kMost = 256;  // rays: of a probe at least, of a witness at most
+constexpr int kFewest = 8, kFewestToJudge = 128, kMostToJudge = 256;  // rays of probes, and of witnesses
 constexpr int kBuried = Solids::kProbes / 4;
 
 // A sequence that fills the unit square evenly, however long it is: Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences",
@@ -26,8 +26,8 @@ Prober::Prober(const Scene& scene, const OcclusionSource& source, const Solids& 
       source_(source),
       solids_(solids),
       seed_(seed),
-      few_(fibonacciHemisphere(std::clamp(rays / 4, kFewest, kMost / 4) & ~1)),
-      many_(fibonacciHemisphere(std::clamp(rays, 4 * kFewest, kMost) & ~1)) {}
+      few_(fibonacciHemisphere(std::max(rays / 2, kFewest) & ~1)),
+      many_(fibonacciHemisphere(std::clamp(rays, kFewestToJudge, kMostToJudge) & ~1)) {}
 
 SurfacePoint Prober::pointAt(size_t instance, size_t triangle, const glm::vec3& weights) const {
     const SurfaceAt at = surfaceAt(scene_, int(instance), int(triangle), weights);

@@ -17,7 +17,7 @@ struct Probe {
 // Places and traces probes. Safe from any number of threads. What must outlive it: all that it is made from.
 class Prober {
 public:
-    //   rays  of a baked sample: a witness has as many, up to 256, and a probe a quarter of them
+    //   rays  of a baked sample: a probe has half as many, and a witness as many, within 128 .. 256
     Prober(const Scene& scene, const OcclusionSource& source, const Solids& solids, int rays, uint32_t seed);
 
     // The k-th probe of a triangle: the same one, however many there are. They spread evenly over it. Witnesses are other points, looked at

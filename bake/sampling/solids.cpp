@@ -14,9 +14,9 @@ namespace apertura {
 namespace {
 
 // Of a part of a two-sided material, so many of its points look behind it, by so many rays each; it is a skin where no more of these than
-// kThrough see the sky and no fewer than kBacks the back of a face.
-constexpr int kLooks = 32, kLookRays = 8;
-constexpr double kThrough = 0.02, kBacks = 0.25;
+// kThrough see the sky and no fewer than kBacks meet the back of a face.
+constexpr int kLooks = 64, kLookRays = 8;
+constexpr double kThrough = 0.008, kBacks = 0.25;
 
 using Place = std::array<float, 3>;
 
@@ -67,6 +67,13 @@ std::vector<std::vector<size_t>> partsOf(const Surface& surface) {
     return out;
 }
 
+// Whether a ray leaves the box, metres, by another side than its bottom: what stands in the ground needs none.
+bool leavesAboveGround(const Box& box, const glm::dvec3& origin, const glm::vec3& direction) {
+    if (direction.y >= 0) return true;
+    const glm::dvec3 down = origin + glm::dvec3(direction) * ((box.low.y - origin.y) / direction.y);
+    return down.x < box.low.x || down.x > box.high.x || down.z < box.low.z || down.z > box.high.z;
+}
+
 }  // namespace
 
 Solids::Solids(const Scene& scene, const Tracer& tracer)
@@ -79,6 +86,7 @@ void Solids::findThin(size_t instance) {
     const Surface& surface = scene_.surfaces[size_t(scene_.instances[instance].surface)];
     const std::vector<std::vector<size_t>> parts = partsOf(surface);
     const std::vector<glm::vec3> directions = fibonacciHemisphere(kLookRays);
+    const Box bounds = worldBounds(scene_);
     std::vector<uint8_t> isThin(parts.size());
     tbb::parallel_for(size_t(0), parts.size(), [&](size_t part) {
         std::vector<double> areas{0};  // of the triangles up to each, m2
@@ -100,11 +108,12 @@ void Solids::findThin(size_t instance) {
             const glm::mat3 frame = frameFromZ(behind.normal, 2 * std::numbers::pi * hashUnit(1, place, uint64_t(4 * k + 3)));
             for (const glm::vec3& w : directions) {
                 const glm::vec3 direction = frame * w;
-                const std::optional<Hit> hit = tracer_.nearest(rayOrigin(tracer_, behind), direction);
-                if (!hit)
-                    sky += direction.y > 0;  // what stands in the ground needs no bottom
-                else
+                const glm::dvec3 origin = rayOrigin(tracer_, behind);
+                const std::optional<Hit> hit = tracer_.nearest(origin, direction);
+                if (hit)
                     backs += hit->back;
+                else
+                    sky += leavesAboveGround(bounds, origin, direction);
             }
             isThin[part] = sky > kThrough * kLooks * kLookRays;
         }

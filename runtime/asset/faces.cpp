@@ -1,8 +1,9 @@
 #include "runtime/asset/faces.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdio>
-#include <cstring>
+#include <map>
 #include <numeric>
 
 #include "runtime/asset/params_stream.h"
@@ -20,7 +21,17 @@ const char* const kNumbers = "_VISIBILITY_NUMBERS";
 struct Hash {
     uint64_t value = 0xcbf29ce484222325ull;
     void add(uint32_t word) { value = (value ^ word) * 0x100000001b3ull; }
+    void add(uint64_t words) { add(uint32_t(words)), add(uint32_t(words >> 32)); }
+    void add(const glm::vec3& place) {
+        for (int c = 0; c < 3; ++c) add(std::bit_cast<uint32_t>(place[c] + 0.0f));  // -0 is 0
+    }
 };
+
+std::string textOf(const Hash& hash) {
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash.value));
+    return text;
+}
 
 // `atVertices`: of each instance, the numbers in the file, -1..1.
 std::string hashOfTriangles(const Scene& scene, std::span<const std::vector<glm::vec4>> atVertices, int bits) {
@@ -29,26 +40,40 @@ std::string hashOfTriangles(const Scene& scene, std::span<const std::vector<glm:
     for (const Surface& surface : scene.surfaces) {
         Hash hash;
         for (const auto& t : surface.triangles)
-            for (const uint32_t v : t)
-                for (int c = 0; c < 3; ++c) {
-                    uint32_t word = 0;
-                    const float x = surface.positions[v][c] + 0.0f;  // -0 is 0
-                    std::memcpy(&word, &x, sizeof word);
-                    hash.add(word);
-                }
+            for (const uint32_t v : t) hash.add(surface.positions[v]);
         surfaces.push_back(hash.value);
     }
-    Hash hash;
+    std::vector<uint64_t> instances;
+    std::map<uint64_t, int> alike;
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const auto surface = size_t(scene.instances[i].surface);
-        hash.add(uint32_t(surfaces[surface])), hash.add(uint32_t(surfaces[surface] >> 32));
+        Hash hash;
+        hash.add(surfaces[surface]);
         for (const auto& t : scene.surfaces[surface].triangles)
             for (const uint32_t v : t)
                 for (int c = 0; c < 4; ++c) hash.add(uint32_t(std::lround(atVertices[i][v][c] * top)));
+        instances.push_back(hash.value);
+        ++alike[hash.value];
     }
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash.value));
-    return text;
+    Hash hash;
+    for (size_t i = 0; i < instances.size(); ++i) {
+        hash.add(instances[i]);
+        // Nothing but their places tells these apart.
+        if (alike[instances[i]] > 1) hash.add(glm::vec3(scene.instances[i].toWorld[3]));
+    }
+    return textOf(hash);
+}
+
+// Of the levels, of the samples' numbers in the file, -1..1, and of the bytes of params_stream.h.
+std::string hashOfSamples(std::span<const unsigned char> levels, std::span<const glm::vec4> samples, std::span<const unsigned char> numbers,
+                          int bits) {
+    const float top = bits == 16 ? 32767 : 127;
+    Hash hash;
+    for (const unsigned char level : levels) hash.add(uint32_t(level));
+    for (const glm::vec4& sample : samples)
+        for (int c = 0; c < 4; ++c) hash.add(uint32_t(std::lround(sample[c] * top)));
+    for (const unsigned char byte : numbers) hash.add(uint32_t(byte));
+    return textOf(hash);
 }
 
 std::optional<size_t> findAccessor(const Json& json, const char* name) {
@@ -110,6 +135,7 @@ void SeenOnFaces::setLevels(std::vector<uint8_t> all, bool withParams) {
 Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& seen, const Model* stored, int bits) {
     Bytes levels, samples, numbers;
     std::vector<std::vector<glm::vec4>> atVertices;
+    std::vector<glm::vec4> onFaces;
     Json lengths = Json::array();
     size_t count = 0;
     for (size_t i = 0; i < seen.size(); ++i) {
@@ -118,17 +144,19 @@ Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& see
         levels.insert(levels.end(), faces.levels.begin(), faces.levels.end());
         levels.resize(levels.size() + scene.surfaces[size_t(scene.instances[i].surface)].triangles.size() - faces.levels.size());
         const glm::mat3 toLocal = glm::transpose(rotationPart(scene.instances[i].toWorld));
-        atVertices.emplace_back();
-        for (const Visibility& v : seen[i].visibility) {
+        const auto inFile = [&](const Visibility& v) {
             const Visibility local{toLocal * v.direction, v.area};
-            atVertices.back().push_back(bits == 16 ? normalised(pack16(local)) : normalised(pack8(local)));
-        }
+            return bits == 16 ? normalised(pack16(local)) : normalised(pack8(local));
+        };
+        atVertices.emplace_back();
+        for (const Visibility& v : seen[i].visibility) atVertices.back().push_back(inFile(v));
         for (const Visibility& v : faces.visibility) {
             const Visibility local{toLocal * v.direction, v.area};
             if (bits == 16)
                 append(samples, pack16(local));
             else
                 append(samples, pack8(local));
+            onFaces.push_back(inFile(v));
         }
         if (!stored) continue;
         const std::vector<std::byte> own = packAllParams(*stored, faces.allParams, toLocal, bits);
@@ -136,6 +164,8 @@ Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& see
         lengths.push_back(own.size());
     }
     if (count == 0) return {};
+    Json out{{"triangles", hashOfTriangles(scene, atVertices, bits)}, {"samples", hashOfSamples(levels, onFaces, numbers, bits)}};
+    if (stored) out["numbers"] = lengths;
     const auto bytesAccessor = [&](const char* name, Bytes bytes) {
         const size_t n = bytes.size();
         writer.addAccessor({{"name", name}, {"componentType", kUnsignedByte}, {"type", "SCALAR"}, {"count", n}}, std::move(bytes),
@@ -149,8 +179,6 @@ Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& see
         {{"name", kSamples}, {"componentType", bits == 16 ? kShort : kByte}, {"normalized", true}, {"type", "VEC4"}, {"count", count}},
         std::move(samples), kNoTarget);
     if (!numbers.empty()) bytesAccessor(kNumbers, std::move(numbers));
-    Json out{{"triangles", hashOfTriangles(scene, atVertices, bits)}};
-    if (stored) out["numbers"] = lengths;
     return out;
 }
 
@@ -192,15 +220,17 @@ void readFaces(Asset& asset, const Json& described, std::span<const std::vector<
     };
     if (!isPlainBytes(*levelsAt)) throw damaged("have levels that are not bytes");
     if (accessorCount(document, *levelsAt) != triangleCount(scene)) throw damaged("have not one level for each triangle");
-    const std::vector<float> levels = readAccessor(document, *levelsAt, 1);
+    Bytes levels;
+    for (const float level : readAccessor(document, *levelsAt, 1)) levels.push_back(static_cast<unsigned char>(level));
     const size_t count = accessorCount(document, *samplesAt);
     size_t wanted = 0;
-    for (const float level : levels) {
-        if (!(level >= 0 && level <= float(MAX_LATTICE_LEVEL))) throw damaged("have a level that is too large");
-        wanted += level > 0 ? size_t(latticeSize(latticeSteps(int(level)))) : 0;
+    for (const unsigned char level : levels) {
+        if (level > MAX_LATTICE_LEVEL) throw damaged("have a level that is too large");
+        wanted += level > 0 ? size_t(latticeSize(latticeSteps(level))) : 0;
     }
     if (wanted != count) throw damaged(wanted > count ? "end too soon" : "are more than their levels say");
-    const std::vector<float> values = readAccessor(document, *samplesAt, 4);
+    std::vector<glm::vec4> values(count);
+    for (size_t k = 0; const float x : readAccessor(document, *samplesAt, 4)) values[k / 4][int(k % 4)] = x, ++k;
 
     const Model* stored = storedModel(asset.info);
     std::span<const unsigned char> numbers;
@@ -214,9 +244,19 @@ void readFaces(Asset& asset, const Json& described, std::span<const std::vector<
         }
         numbers = numberBytes;
     }
-    const Json& lengths = listOf(said, "numbers");
-    if (stored && (!lengths.is_array() || lengths.size() != scene.instances.size()))
-        throw damaged("do not say how many numbers each instance has");
+    std::vector<size_t> lengths(scene.instances.size(), 0);  // of the instances' numbers, bytes
+    if (stored) {
+        const Json& list = listOf(said, "numbers");
+        if (!list.is_array() || list.size() != lengths.size()) throw damaged("do not say how many numbers each instance has");
+        size_t left = numbers.size();
+        for (size_t i = 0; i < lengths.size(); ++i) {
+            lengths[i] = list[i].is_number_unsigned() ? list[i].get<size_t>() : SIZE_MAX;
+            if (lengths[i] > left) throw damaged("have numbers that end too soon");
+            left -= lengths[i];
+        }
+        if (left > 0) throw damaged("have more numbers than samples");
+    }
+    if (said.value("samples", Json()) != hashOfSamples(levels, values, numbers, bits)) return withoutFaces("are not those that were baked");
     size_t triangle = 0, sample = 0;
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const size_t own = scene.surfaces[size_t(scene.instances[i].surface)].triangles.size();
@@ -226,21 +266,17 @@ void readFaces(Asset& asset, const Json& described, std::span<const std::vector<
         if (samplesIn(ownLevels) > 0) faces.setLevels(std::move(ownLevels), stored != nullptr);
         const glm::mat3 rotation = rotationPart(scene.instances[i].toWorld);
         for (Visibility& v : faces.visibility) {
-            const float* at = &values[4 * sample++];
-            v = unpack(glm::vec4(at[0], at[1], at[2], at[3]));
+            v = unpack(values[sample++]);
             v.direction = rotation * v.direction;
         }
         if (!stored) continue;
-        const size_t bytes = lengths[i].is_number_unsigned() ? lengths[i].get<size_t>() : SIZE_MAX;
-        if (bytes > numbers.size()) throw damaged("have numbers that end too soon");
         try {
-            faces.allParams = unpackAllParams(*stored, numbers.first(bytes), faces.visibility.size(), rotation, bits);
+            faces.allParams = unpackAllParams(*stored, numbers.first(lengths[i]), faces.visibility.size(), rotation, bits);
         } catch (const Error& e) {
             throw Error(scene.name + ": its samples on faces: " + e.what());
         }
-        numbers = numbers.subspan(bytes);
+        numbers = numbers.subspan(lengths[i]);
     }
-    if (!numbers.empty()) throw damaged("have more numbers than samples");
 }
 
 size_t bytesOfFaces(const Scene& scene, const BakedVisibility& seen, const Model* stored, int bits) {

@@ -5,7 +5,8 @@
 //   _VISIBILITY_SAMPLES  VEC4 as _VISIBILITY, one per sample
 //   _VISIBILITY_NUMBERS  SCALAR UNSIGNED_BYTE: the bytes of params_stream.h, instance after instance, if a model is stored
 // asset.extras.apertura.faces says what they belong to: "triangles", a hash of all corners in order, their places and what is stored there,
-// so that even instances of one mesh are not taken for each other; and "numbers", the bytes of each instance.
+// and of the places of instances that differ in nothing else; "samples", a hash of what the accessors hold; and "numbers", the bytes of
+// each instance.
 #include "runtime/asset/asset.h"
 #include "runtime/asset/gltf_writer.h"
 
@@ -17,8 +18,8 @@ Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& see
 // Takes the names of such accessors away and returns their indices, for GltfWriter::release.
 std::set<size_t> removeFaces(Json& json);
 
-// Reads `asset.seen[i].faces`. Where the accessors are gone or the triangles are not those that were baked, it adds a line to the scene's
-// notes and leaves the faces empty. Throws Error naming the scene if what is there is damaged.
+// Reads `asset.seen[i].faces`. Where the accessors are gone, or the triangles or samples are not those that were baked, it adds a line to
+// the scene's notes and leaves the faces empty. Throws Error naming the scene if what is there cannot be right.
 //   atVertices  of each instance, what its vertices store, -1..1
 void readFaces(Asset& asset, const Json& described, std::span<const std::vector<glm::vec4>> atVertices);
 

@@ -248,7 +248,11 @@ std::vector<std::span<const unsigned char>> GltfWriter::packBuffers() {
         for (const char* key : {"uri", "byteLength"}) rest.erase(key);
         if (!rest.empty()) others.push_back({{"buffer", i}, {"content", rest}});
     }
-    for (Json& other : others) json_["asset"]["extras"]["apertura"]["mergedBuffers"].push_back(std::move(other));
+    if (!others.empty()) {
+        Json& list = json_["asset"]["extras"]["apertura"]["mergedBuffers"];
+        if (!list.is_array()) list = Json::array();
+        list.insert(list.end(), others.begin(), others.end());
+    }
     json_["buffers"] = Json::array({merged});
     return runs;
 }

@@ -19,7 +19,7 @@ struct Surface {
     std::vector<std::array<uint32_t, 3>> triangles;
     bool normalsMade = false;         // computed here: the file has no normals, or its compressed ones are not unit
     std::vector<uint32_t> splitFrom;  // if vertices were split: the file's vertex that each came from; else empty
-    bool twoSided = false;            // its material is visible from both sides: nothing is inside of it
+    bool twoSided = false;            // its material is visible from both sides
 };
 
 struct Instance {
