@@ -135,6 +135,7 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     }
     wanted.maxBytes = options.maxBytes;
     wanted.isFitted = isFitted;
+    wanted.isMixed = recipe.model < 0 || models()[size_t(recipe.model)].mixes;
     size_t vertices = 0;
     for (const SeenByInstance& seen : out) vertices += seen.visibility.size();
     const double extra = recipe.model == MODEL_AUTO ? 4 : recipe.model >= 0 ? storedNumbers(models()[size_t(recipe.model)]) : 0;

@@ -37,4 +37,17 @@ SquaredErrors Judge::at(const Probe& witness, const Receiver& fitted, const glm:
     return {sum / kLights, (sky(a) - sky(fitted)) * (sky(b) - sky(fitted))};
 }
 
+double Judge::spread(const std::array<Receiver, 3>& samples, const glm::vec3& shares, const glm::vec3& normal, double spin) const {
+    const glm::mat3 frame = frameFromZ(normal, spin);
+    double sum = 0;
+    for (const glm::vec3& l : lights_) {
+        const CapLight light = capLight(frame * l, float(std::sin(kRadius * std::numbers::pi / 180)));
+        glm::vec3 e(0);
+        for (int c = 0; c < 3; ++c) e[c] = irradianceThrough(MODEL_APERTURE, samples[size_t(c)], light, LIGHTS_MEDIUM) / light.area;
+        const float mean = glm::dot(shares, e);
+        sum += glm::dot(shares, (e - mean) * (e - mean));
+    }
+    return sum / kLights;
+}
+
 }  // namespace apertura

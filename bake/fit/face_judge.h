@@ -1,5 +1,6 @@
 #pragma once
 // What the light between samples errs, at points that are looked at by rays.
+#include <array>
 #include <vector>
 
 #include "bake/sampling/probes.h"
@@ -20,6 +21,9 @@ public:
     //   normal  there, unit, world
     //   spin    of the lights about it, radians
     SquaredErrors at(const Probe& witness, const Receiver& fitted, const glm::vec3& normal, double spin) const;
+
+    // The mean squared deviation of the lights of three samples, weighed by `shares`, from their mean, of apertures with hard edges.
+    double spread(const std::array<Receiver, 3>& samples, const glm::vec3& shares, const glm::vec3& normal, double spin) const;
 
 private:
     std::vector<glm::vec3> lights_;

@@ -25,6 +25,7 @@ constexpr double kWorth = 0.4;     // the least fraction of the squared error th
 constexpr double kLittle = 65536;  // where what so many samples take counts as spent
 constexpr int kCoarse = 5;         // lattices up to this level are too coarse, or have too few witnesses, to tell what finer ones will do
 constexpr double kShared = 3;      // witnesses that the mean of a level's faces counts as
+constexpr double kSpread = 0.28;   // of the squared spread of three samples' lights: what mixing these errs as hard edges move between them
 constexpr int kMostRounds = 60;
 constexpr int kReportPoints = 3000;  // over the surface, from which what is left of the error is estimated
 constexpr size_t kUnseen = 1 << 20;  // number of the first witness of a triangle that took no part in choosing its samples
@@ -120,6 +121,7 @@ struct Faces::Impl {
     FaceReport report;
     Judge judge;
     double skyWeight = 1;
+    bool isMixed = true;  // see FaceOptions
     double meanArea = 1;  // of a face, m2
 
     std::span<const Face> facesOf(size_t instance) const {
@@ -157,9 +159,15 @@ struct Faces::Impl {
                 mix[0] += cell.weights[c] * params[at][0];
             }
             const glm::vec3 normal = prober.pointAt(face.instance, face.triangle, witness.weights).normal;
-            const SquaredErrors here = judge.at(witness, renormalised(MODEL_SOFT, toReceiver(visibility, mix, normal)), normal,
-                                                2 * std::numbers::pi * hashUnit(seed, face.triangle, 17 + k));
+            std::array<Receiver, 3> apertures;
+            for (int c = 0; !isMixed && c < 3; ++c) {
+                const Visibility& own = samples[size_t(cell.samples[c])];
+                apertures[size_t(c)] = toReceiver(own, toParams(models()[MODEL_APERTURE], own, nullptr, normal), normal);
+            }
+            const double spin = 2 * std::numbers::pi * hashUnit(seed, face.triangle, 17 + k);
+            const SquaredErrors here = judge.at(witness, renormalised(MODEL_SOFT, toReceiver(visibility, mix, normal)), normal, spin);
             sum.light += here.light, sum.sky += here.sky;
+            if (!isMixed) sum.light += kSpread * judge.spread(apertures, cell.weights, normal, spin);
             ++count;
         }
         if (count > 0) sum.light /= count, sum.sky /= count;
@@ -284,7 +292,8 @@ Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& ve
     // Of small faces as many have a witness as there are rays for beside those of the vertices.
     double allVertices = 0;
     for (const SeenByInstance& seen : vertices) allVertices += double(seen.visibility.size());
-    const double witnessed = 0.8 * allVertices / double(std::max<size_t>(impl.faces.size(), 1));
+    const double many = std::min(prober.witnessesASample(), 4.0);
+    const double witnessed = 0.8 * many * allVertices / double(std::max<size_t>(impl.faces.size(), 1));
     ProgressCounter counter(progress, impl.faces.size());
     tbb::parallel_for(tbb::blocked_range<size_t>(0, impl.faces.size(), 64), [&](const tbb::blocked_range<size_t>& range) {
         if (counter.stopped()) return;
@@ -293,7 +302,7 @@ Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& ve
             const double size = std::sqrt(face.area / impl.meanArea);
             const bool isSmall = at == At::Vertices || (size < 1.5 && hashUnit(seed, f, 23) > std::max(size - 0.5, witnessed));
             impl.addProbes(face, size_t(std::clamp(at == At::Vertices ? std::ceil(1.5 * size) : std::round(size), 1.0, 24.0)),
-                           isSmall ? 0 : size_t(std::clamp(size < 1.5 ? 1 : 2 * size, 1.0, 24.0)));
+                           isSmall ? 0 : size_t(std::clamp(many * (size < 1.5 ? 1 : 2 * size), 1.0, 24.0 * many)));
             impl.seekWitness(face);
             // What its vertices see is of another hemisphere than its own.
             if (at == At::Faces && face.leans && face.open > 0) {
@@ -315,6 +324,7 @@ const FaceReport& Faces::report() const { return impl_->report; }
 void Faces::refine(const FaceOptions& options, const Progress& progress) {
     Impl& impl = *impl_;
     impl.skyWeight = options.tolerance * options.tolerance / (options.skyTolerance * options.skyTolerance);
+    impl.isMixed = options.isMixed;
     impl.measure();
     double area = 0, whole = 0, bytes = options.bytesElsewhere;
     for (const Face& face : impl.faces) area += face.area * face.open, whole += face.area;

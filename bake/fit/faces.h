@@ -10,6 +10,7 @@ struct FaceOptions {
                            // the point itself
     double skyTolerance = 0;                      // and RMSE of the sky's E over pi
     double maxBytes = 0;                          // of all visibility; 0: no limit
+    bool isMixed = true;                          // the model's numbers are mixed between samples; else the light of three samples is
     bool isFitted = true;                         // fit() makes the samples, and may draw neighbours together as strongly as it helps
     double bytesASample = 4, bytesElsewhere = 0;  // what a sample takes, and all that is stored beside samples
 };

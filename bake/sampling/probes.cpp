@@ -27,7 +27,8 @@ Prober::Prober(const Scene& scene, const OcclusionSource& source, const Solids& 
       solids_(solids),
       seed_(seed),
       few_(fibonacciHemisphere(std::max(rays / 2, kFewest) & ~1)),
-      many_(fibonacciHemisphere(std::clamp(rays, kFewestToJudge, kMostToJudge) & ~1)) {}
+      many_(fibonacciHemisphere(std::clamp(rays, kFewestToJudge, kMostToJudge) & ~1)),
+      witnessesASample_(std::max(1.0, double(rays) / double(many_.size()))) {}
 
 SurfacePoint Prober::pointAt(size_t instance, size_t triangle, const glm::vec3& weights) const {
     const SurfaceAt at = surfaceAt(scene_, int(instance), int(triangle), weights);

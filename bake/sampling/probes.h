@@ -30,6 +30,9 @@ public:
 
     size_t rays() const { return rays_; }  // traced so far
 
+    // How many witnesses take the rays of one baked sample, at least 1.
+    double witnessesASample() const { return witnessesASample_; }
+
 private:
     Probe look(size_t instance, size_t triangle, size_t k, const std::vector<glm::vec3>& directions) const;
 
@@ -38,6 +41,7 @@ private:
     const Solids& solids_;
     uint32_t seed_;
     std::vector<glm::vec3> few_, many_;  // directions
+    double witnessesASample_;
     mutable std::atomic<size_t> rays_ = 0;
 };
 
