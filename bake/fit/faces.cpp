@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
+#include "bake/fit/face_baker.h"
 #include "bake/fit/face_judge.h"
 #include "bake/fit/face_unknowns.h"
 #include "bake/sampling/directions.h"
@@ -29,7 +29,6 @@ constexpr double kSpread = 0.28;   // of the squared spread of three samples' li
 constexpr int kMostRounds = 60;
 constexpr int kReportPoints = 3000;  // over the surface, from which what is left of the error is estimated
 constexpr size_t kUnseen = 1 << 20;  // number of the first witness of a triangle that took no part in choosing its samples
-constexpr float kInside = 0.05f;     // how far a sample with no probes about it looks from inside its triangle, of the way to its middle
 
 // Probes that a lattice is fitted to: about three times as many as it has samples of its own; and witnesses that judge it.
 size_t probesFor(int level) {
@@ -39,21 +38,6 @@ size_t probesFor(int level) {
 size_t witnessesFor(int level) { return std::max(size_t(8), size_t(latticeSteps(level)) * size_t(latticeSteps(level)) / 2); }
 // A face that is refined has a witness for each `mean` square metres, so that none is left as it is because a few err little by chance.
 size_t witnessesOn(double area, double mean) { return size_t(std::min(area / mean, 256.0)); }
-
-int samplesOn(int level) { return level ? latticeSize(latticeSteps(level)) : 0; }
-
-struct Face {
-    uint32_t instance, triangle;
-    double area;  // m2
-    bool leans;   // see SurfaceAt
-    int level = 0;
-    float tie = kTies[0];  // of kTies, that with which its lattice errs least
-    std::vector<Probe> probes, witnesses;
-    SquaredErrors measured;    // the means at the witnesses that are not buried
-    double error = 0;          // of both, with what its level errs taken into account
-    double gain = kFirstGain;  // of its squared error, what a refinement is thought to take away
-    double open = 1;           // the fraction of its probes that are not buried
-};
 
 std::array<Term, 3> termsOf(const LatticeCell& cell) {
     std::array<Term, 3> out;
@@ -284,6 +268,7 @@ Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& ve
             const double longest = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
             if (!(area > kNoArea * longest * longest)) continue;
             impl.faces.push_back({uint32_t(i), uint32_t(t), area, surfaceAt(scene, int(i), int(t), glm::vec3(1 / 3.0f)).leans});
+            impl.faces.back().tie = kTies[0], impl.faces.back().gain = kFirstGain;
             total += area;
         }
     }
@@ -471,112 +456,12 @@ BakedVisibility Faces::fit() const {
     return out;
 }
 
-namespace {
-
-// A point of a face that a sample's rays start from, and its share of them.
-struct Origin {
-    uint32_t face, probe;
-    float weight;
-};
-
-// A sample that is baked once, though several faces may have it.
-struct Site {
-    uint32_t face;
-    int sample;
-    std::vector<Origin> origins;
-};
-
-// The samples of an instance's faces, and where each face's samples are among them.
-struct Sites {
-    std::vector<Site> all;
-    std::vector<uint32_t> ofSample;  // as SeenOnFaces::visibility
-
-    Sites(const Unknowns& unknowns, std::span<const Face> faces, const SeenOnFaces& seen) : ofSample(seen.visibility.size()) {
-        std::unordered_map<uint32_t, uint32_t> byUnknown;
-        for (uint32_t f = 0; f < faces.size(); ++f) {
-            const Face& face = faces[f];
-            const uint32_t first = face.level ? seen.first[face.triangle] : 0;
-            for (int i = 0; i < samplesOn(face.level); ++i) {
-                const std::vector<Term> terms = unknowns.sample(face.triangle, i);
-                auto site = uint32_t(all.size());
-                if (terms.size() == 1) site = byUnknown.try_emplace(terms[0].first, site).first->second;
-                if (site == all.size()) all.push_back({f, i, {}});
-                ofSample[first + uint32_t(i)] = site;
-            }
-            for (uint32_t p = 0; face.level && p < face.probes.size(); ++p) {
-                if (face.probes[p].buried) continue;
-                const LatticeCell cell = latticeCell(face.probes[p].weights, latticeSteps(face.level));
-                for (int c = 0; c < 3; ++c)
-                    if (cell.weights[c] > 0) all[ofSample[first + uint32_t(cell.samples[c])]].origins.push_back({f, p, cell.weights[c]});
-            }
-        }
-    }
-};
-
-}  // namespace
-
 void Faces::bakeSamples(BakedVisibility& out, const OcclusionSource& source, const BakeOptions& options, const Progress& progress) const {
-    const Impl& impl = *impl_;
-    const Recipe& recipe = recipeNamed(options.recipe);
-    const FitTools tools(options.rays, useOf(recipe));
-    const FitOptions fitOptions{options.tolerance, options.lambda, options.price, impl.scene.isTerrain};
-    const std::span<const glm::vec3> directions = tools.lattice.directions();
-    ProgressCounter counter(progress, std::max<size_t>(impl.report.samples, 1));
+    const FaceBaker baker(impl_->scene, impl_->prober, source, options);
+    ProgressCounter counter(progress, std::max<size_t>(impl_->report.samples, 1));
     for (size_t i = 0; i < out.size(); ++i) {
-        SeenOnFaces& seen = out[i].faces;
-        if (seen.visibility.empty()) continue;
-        const std::span<const Face> faces = impl.facesOf(i);
-        const Sites sites(unknownsOf(impl.scene, i, faces), faces, seen);
-        std::vector<BakedPoint> baked(sites.all.size());
-        tbb::parallel_for(tbb::blocked_range<size_t>(0, baked.size(), 8), [&](const tbb::blocked_range<size_t>& range) {
-            std::vector<uint8_t> blocked(directions.size()), some(directions.size());
-            for (size_t s = range.begin(); s < range.end() && !counter.stopped(); ++s) {
-                const Site& site = sites.all[s];
-                const Face& face = faces[site.face];
-                const glm::vec3 weights = latticePoint(site.sample, latticeSteps(face.level));
-                const SurfacePoint point = impl.prober.pointAt(face.instance, face.triangle,
-                                                               glm::mix(weights, glm::vec3(1 / 3.0f), kInside));
-                const double start = hashUnit(options.seed, i << 40 | s, 3);
-                const glm::mat3 frame = frameFromZ(point.normal, 2 * std::numbers::pi * start);
-                double all = 0;
-                for (const Origin& origin : site.origins) all += origin.weight;
-                // Each origin gets its share of directions that spread over the whole hemisphere.
-                std::vector<std::vector<size_t>> shares(std::max<size_t>(site.origins.size(), 1));
-                for (size_t k = 0; k < directions.size(); ++k) {
-                    double left = std::fmod(start + 0.6180339887498949 * double(k), 1.0) * all;
-                    size_t o = 0;
-                    while (o + 1 < site.origins.size() && left >= site.origins[o].weight) left -= site.origins[o++].weight;
-                    shares[o].push_back(k);
-                }
-                std::vector<glm::vec3> turned;
-                for (size_t o = 0; o < shares.size(); ++o) {
-                    if (shares[o].empty()) continue;
-                    turned.clear();
-                    for (const size_t k : shares[o]) turned.push_back(frame * directions[k]);
-                    SurfacePoint from = point;
-                    if (!site.origins.empty()) {
-                        const Face& other = faces[site.origins[o].face];
-                        from = impl.prober.pointAt(other.instance, other.triangle, other.probes[site.origins[o].probe].weights);
-                    }
-                    source.occluded(from, turned, some.data());
-                    for (size_t n = 0; n < turned.size(); ++n) blocked[shares[o][n]] = some[n];
-                }
-                Samples samples(tools.lattice, blocked);
-                samples.source = &source;
-                samples.point = &point;
-                baked[s] = makePoint(recipe, tools, samples, frame, fitOptions);
-                counter.add(1);
-            }
-        });
-        counter.throwIfStopped();
-        if (recipe.model >= 0) seen.allParams.resize(seen.visibility.size());
-        for (size_t n = 0; n < seen.visibility.size(); ++n) {
-            const BakedPoint& b = baked[sites.ofSample[n]];
-            // A stored model leaves the four numbers as they are; those of `auto` belong to its choice.
-            if (recipe.model < 0 || recipe.model == MODEL_AUTO) seen.visibility[n] = b.visibility;
-            if (recipe.model >= 0) seen.allParams[n] = b.params;
-        }
-        impl_->report.rays += baked.size() * directions.size();
+        if (out[i].faces.visibility.empty()) continue;
+        impl_->report.rays += baker.bake(i, impl_->facesOf(i), unknownsOf(impl_->scene, i, impl_->facesOf(i)), out[i].faces, counter);
     }
 }
 

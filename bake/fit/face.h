@@ -1,0 +1,27 @@
+#pragma once
+// A triangle while it is decided how finely it is sampled.
+#include <vector>
+
+#include "bake/fit/face_judge.h"
+#include "bake/sampling/probes.h"
+#include "sh/shading.h"
+
+namespace apertura {
+
+struct Face {
+    uint32_t instance, triangle;
+    double area;  // m2
+    bool leans;   // see SurfaceAt
+    int level = 0;
+    float tie = 0;  // how strongly its neighbouring samples are drawn together
+    std::vector<Probe> probes, witnesses;
+    SquaredErrors measured;  // the means at the witnesses that are not buried
+    double error = 0;        // of both, with what its level errs taken into account
+    double gain = 0;         // of its squared error, what a refinement is thought to take away
+    double open = 1;         // the fraction of its probes that are not buried
+};
+
+// Samples that a face of a level has of its own.
+inline int samplesOn(int level) { return level ? latticeSize(latticeSteps(level)) : 0; }
+
+}  // namespace apertura

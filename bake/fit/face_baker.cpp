@@ -1,0 +1,123 @@
+#include "bake/fit/face_baker.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+
+#include "bake/fit/choose.h"
+#include "bake/sampling/directions.h"
+#include "runtime/asset/faces.h"
+
+namespace apertura {
+namespace {
+
+constexpr float kInside = 0.05f;  // how far a sample with no probes about it looks from inside its triangle, of the way to its middle
+
+// A point of a face that a sample's rays start from, and its share of them.
+struct Origin {
+    uint32_t face, probe;
+    float weight;
+};
+
+// A sample that is baked once, though several faces may have it.
+struct Site {
+    uint32_t face;
+    int sample;
+    std::vector<Origin> origins;
+};
+
+// The samples of an instance's faces, and where each face's samples are among them.
+struct Sites {
+    std::vector<Site> all;
+    std::vector<uint32_t> ofSample;  // as SeenOnFaces::visibility
+
+    Sites(const Unknowns& unknowns, std::span<const Face> faces, const SeenOnFaces& seen) : ofSample(seen.visibility.size()) {
+        std::unordered_map<uint32_t, uint32_t> byUnknown;
+        for (uint32_t f = 0; f < faces.size(); ++f) {
+            const Face& face = faces[f];
+            const uint32_t first = face.level ? seen.first[face.triangle] : 0;
+            for (int i = 0; i < samplesOn(face.level); ++i) {
+                const std::vector<Term> terms = unknowns.sample(face.triangle, i);
+                auto site = uint32_t(all.size());
+                if (terms.size() == 1) site = byUnknown.try_emplace(terms[0].first, site).first->second;
+                if (site == all.size()) all.push_back({f, i, {}});
+                ofSample[first + uint32_t(i)] = site;
+            }
+            for (uint32_t p = 0; face.level && p < face.probes.size(); ++p) {
+                if (face.probes[p].buried) continue;
+                const LatticeCell cell = latticeCell(face.probes[p].weights, latticeSteps(face.level));
+                for (int c = 0; c < 3; ++c)
+                    if (cell.weights[c] > 0) all[ofSample[first + uint32_t(cell.samples[c])]].origins.push_back({f, p, cell.weights[c]});
+            }
+        }
+    }
+};
+
+}  // namespace
+
+FaceBaker::FaceBaker(const Scene& scene, const Prober& prober, const OcclusionSource& source, const BakeOptions& options)
+    : prober_(prober),
+      source_(source),
+      options_(options),
+      recipe_(recipeNamed(options.recipe)),
+      tools_(options.rays, useOf(recipe_)),
+      fitOptions_{options.tolerance, options.lambda, options.price, scene.isTerrain} {}
+
+size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unknowns& unknowns, SeenOnFaces& seen,
+                       ProgressCounter& counter) const {
+    const std::span<const glm::vec3> directions = tools_.lattice.directions();
+    const Sites sites(unknowns, faces, seen);
+    std::vector<BakedPoint> baked(sites.all.size());
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, baked.size(), 8), [&](const tbb::blocked_range<size_t>& range) {
+        std::vector<uint8_t> blocked(directions.size()), some(directions.size());
+        for (size_t s = range.begin(); s < range.end() && !counter.stopped(); ++s) {
+            const Site& site = sites.all[s];
+            const Face& face = faces[site.face];
+            const glm::vec3 weights = latticePoint(site.sample, latticeSteps(face.level));
+            const SurfacePoint point = prober_.pointAt(face.instance, face.triangle, glm::mix(weights, glm::vec3(1 / 3.0f), kInside));
+            const double start = hashUnit(options_.seed, instance << 40 | s, 3);
+            const glm::mat3 frame = frameFromZ(point.normal, 2 * std::numbers::pi * start);
+            double all = 0;
+            for (const Origin& origin : site.origins) all += origin.weight;
+            // Each origin gets its share of directions that spread over the whole hemisphere.
+            std::vector<std::vector<size_t>> shares(std::max<size_t>(site.origins.size(), 1));
+            for (size_t k = 0; k < directions.size(); ++k) {
+                double left = std::fmod(start + 0.6180339887498949 * double(k), 1.0) * all;
+                size_t o = 0;
+                while (o + 1 < site.origins.size() && left >= site.origins[o].weight) left -= site.origins[o++].weight;
+                shares[o].push_back(k);
+            }
+            std::vector<glm::vec3> turned;
+            for (size_t o = 0; o < shares.size(); ++o) {
+                if (shares[o].empty()) continue;
+                turned.clear();
+                for (const size_t k : shares[o]) turned.push_back(frame * directions[k]);
+                SurfacePoint from = point;
+                if (!site.origins.empty()) {
+                    const Face& other = faces[site.origins[o].face];
+                    from = prober_.pointAt(other.instance, other.triangle, other.probes[site.origins[o].probe].weights);
+                }
+                source_.occluded(from, turned, some.data());
+                for (size_t n = 0; n < turned.size(); ++n) blocked[shares[o][n]] = some[n];
+            }
+            Samples samples(tools_.lattice, blocked);
+            samples.source = &source_;
+            samples.point = &point;
+            baked[s] = makePoint(recipe_, tools_, samples, frame, fitOptions_);
+            counter.add(1);
+        }
+    });
+    counter.throwIfStopped();
+    if (recipe_.model >= 0) seen.allParams.resize(seen.visibility.size());
+    for (size_t n = 0; n < seen.visibility.size(); ++n) {
+        const BakedPoint& b = baked[sites.ofSample[n]];
+        // A stored model leaves the four numbers as they are; those of `auto` belong to its choice.
+        if (recipe_.model < 0 || recipe_.model == MODEL_AUTO) seen.visibility[n] = b.visibility;
+        if (recipe_.model >= 0) seen.allParams[n] = b.params;
+    }
+    return baked.size() * directions.size();
+}
+
+}  // namespace apertura
