@@ -229,6 +229,7 @@ template <typename T>
 void pick(std::vector<T>& all, const std::vector<uint32_t>& from) {
     if (all.empty()) return;
     std::vector<T> out;
+    out.reserve(from.size());
     for (const uint32_t i : from) out.push_back(all[i]);
     all = std::move(out);
 }
