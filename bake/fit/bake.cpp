@@ -121,12 +121,12 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     const FitOptions fitOptions{options.tolerance, found.lambda, options.price, scene.isTerrain};
     const Progress probing = options.at == At::Faces ? part(progress, 0.4, 0.5) : part(progress, 0.8, 1);
     Faces faces(scene, prober, out, options.at, options.seed, probing);
+    if (issues && options.at == At::Faces) issues->large = 0;  // samples on them hold what their vertices cannot
     if (faces.empty()) return out;
     if (options.at == At::Vertices) {
         if (report) report->rays = prober.rays();
         return faces.fit();
     }
-    if (issues) issues->large = 0;  // samples on them hold what their vertices cannot
     FaceOptions wanted;
     wanted.tolerance = wanted.skyTolerance = options.storageTolerance;
     if (!(options.storageTolerance > 0)) {
