@@ -286,8 +286,8 @@ TEST(Vertices, PartsOfTwoSidedMaterialsAreSolidWhereTheyClose) {
 }
 
 TEST(Vertices, AHouseWithAnOpenFrontIsNoSolid) {
-    // Ten metres by ten, four high, on a ground or alone; its front is open between two pillars. From behind its sheets, one ray in a
-    // hundred meets the sky.
+    // Ten metres by ten, four high, on a ground or alone; its front is open between two pillars and a lintel. From behind its sheets, one
+    // ray in a hundred meets the sky.
     for (const bool ground : {true, false}) {
         Scene scene = sceneOf({panel({-5, 0, -5}, {0, 0, 10}, {0, 4, 0}, 1)});
         Surface& house = scene.surfaces[0];
@@ -296,6 +296,7 @@ TEST(Vertices, AHouseWithAnOpenFrontIsNoSolid) {
         addPanel(house, {-5, 4, 5}, {10, 0, 0}, {0, 0, -10}, 1);
         addPanel(house, {-5, 0, 5}, {1, 0, 0}, {0, 4, 0}, 1);
         addPanel(house, {4, 0, 5}, {1, 0, 0}, {0, 4, 0}, 1);
+        addPanel(house, {-4, 3, 5}, {8, 0, 0}, {0, 1, 0}, 1);
         if (ground) {
             scene.surfaces.push_back(panel({-20, 0, 20}, {40, 0, 0}, {0, 0, -40}, 1));
             scene.instances.push_back({1, glm::mat4(1)});
