@@ -19,7 +19,7 @@ enum class Field {
     None,      // ends the list
     Cap,       // an aperture; 3 numbers: x and y of the axis by octahedral mapping, and radius / pi
     Lobe,      // slope s and offset o; 4 numbers: x and y of the slope's axis, |s| / (|s| + 4), and the edge o / sqrt(1 + s^2 + o^2)
-    HardLobe,  // a lobe with |s| = kHardSharpness; 3 numbers: x and y of its axis, and 1/2 + edge / 2
+    HardLobe,  // a lobe with |s| = kHardSharpness or kSofterSharpness; 3 numbers: x and y of its axis, and 1/2 + edge / 2
     Bend,      // a SoftQuadric's bend, in two slots; 5 numbers
     Heights4,  // sines of elevation at 4, 8, 16 or 32 azimuths (shaders/horizon.glsl), four to a slot; as many numbers
     Heights8,
@@ -35,10 +35,12 @@ enum class Field {
 
 // The third number of a cap or a lobe is never negative by itself; its sign is a flag. The first field's is set where a Combination
 // has its complement or, in `anti`, where the cap is an anti-cap. With three and four hard lobes, the second field's is set where
-// lobes 0 and 1 are a pair, and with four, the third's where lobes 2 and 3 are one too.
+// lobes 0 and 1 are a pair, and with four, the third's where lobes 2 and 3 are one too. The last hard lobe's is set where all of them have
+// the softer edge.
 
-// The length of the slope of lobes that do not store one.
-constexpr float kHardSharpness = 60;
+// The lengths that the slope of hard lobes may have: from 10 to 90 % of the light, an edge is 2.5 or 10 degrees wide. The softer one
+// is for silhouettes that are no planes: a hard edge that lies beside the true one is seen, and moves from point to point.
+constexpr float kHardSharpness = 60, kSofterSharpness = 15;
 
 // What a model is, as far as code beside its formula depends on it: how parameters are completed at load, which slot
 // holds the flags of a Combination, and whether its integral over a light has a closed form.

@@ -62,12 +62,18 @@ void unpackLobe(const float* in, vec4* slots) {
     *slots = vec4(slope * unpackAxis(in), fromEdge(in[3], slope));
 }
 
+bool isSofter(const vec4& hardLobe) { return length(vec3(hardLobe)) < 0.5f * (kHardSharpness + kSofterSharpness); }
 void packHardLobe(const vec4* slots, float* out) {
     packAxis(vec3(*slots), out);
-    out[2] = 0.5f + 0.5f * toEdge(finiteOrZero(slots->w), kHardSharpness);  // 0..1, which leaves the sign for a flag
+    // 0..1, which leaves the sign for a flag
+    out[2] = 0.5f + 0.5f * toEdge(finiteOrZero(slots->w), isSofter(*slots) ? kSofterSharpness : kHardSharpness);
 }
 void unpackHardLobe(const float* in, vec4* slots) {
     *slots = vec4(kHardSharpness * unpackAxis(in), fromEdge(2 * std::abs(in[2]) - 1, kHardSharpness));
+}
+// Its edge stays where it is.
+void soften(vec4& hardLobe) {
+    hardLobe = vec4(vec3(hardLobe) * (kSofterSharpness / kHardSharpness), fromEdge(toEdge(hardLobe.w, kHardSharpness), kSofterSharpness));
 }
 
 void packBend(const vec4* slots, float* out) {
@@ -216,8 +222,13 @@ void forFields(const Model& model, Use&& use) {
 // value that would round to zero is raised to the least one that keeps its sign in a byte.
 void setFlag(float& number) { number = -std::max(number, 1 / 127.0f); }
 
+bool hasHardLobes(const Model& model) { return model.stored[0] == Field::HardLobe; }
+
+// The third number of the last lobe, whose sign says that all have the softer edge.
+size_t softerFlag(const Model& model) { return size_t(3 * model.parts) - 1; }
+
 // Models of three or more hard lobes flag their pairs by the signs of the third numbers of the second and the third lobe.
-bool mayPair(const Model& model) { return model.parts >= 3 && model.stored[0] == Field::HardLobe; }
+bool mayPair(const Model& model) { return model.parts >= 3 && hasHardLobes(model); }
 
 }  // namespace
 
@@ -235,12 +246,15 @@ void packParams(const Model& model, const ModelParams& params, std::span<float> 
     if (combination.complement > 0.5f) setFlag(numbers[2]);
     if (mayPair(model) && combination.pairs > 0.5f) setFlag(numbers[5]);
     if (mayPair(model) && model.parts >= 4 && combination.pairs > 1.5f) setFlag(numbers[8]);
+    if (hasHardLobes(model) && isSofter(params[size_t(model.parts) - 1])) setFlag(numbers[softerFlag(model)]);
 }
 
 ModelParams unpackParams(const Model& model, std::span<const float> numbers) {
     ModelParams params{};
     forFields(model, [&](const Packing& packing, size_t number, size_t slot) { packing.unpack(&numbers[number], &params[slot]); });
     if (model.flagSlot() < 0 || !model.isStored()) return params;
+    if (hasHardLobes(model) && numbers[softerFlag(model)] < 0)
+        for (size_t k = 0; k < size_t(model.parts); ++k) soften(params[k]);
     const float pairs = mayPair(model) ? float(numbers[5] < 0) + float(model.parts >= 4 && numbers[8] < 0) : 0;
     params[size_t(model.flagSlot())] = withCombination(vec4(0), {numbers[2] < 0 ? 1.0f : 0.0f, pairs});
     return params;

@@ -168,6 +168,33 @@ TEST(Models, AnyNumbersUnpackToAFiniteFormAndPackAgain) {
     }
 }
 
+TEST(Models, TheSharpnessOfHardLobesIsASignInTheirBytes) {
+    Random random(53);
+    for (const int id : {MODEL_FIRM_2, MODEL_FIRM_3, MODEL_FIRM_4}) {
+        const Model& model = models()[size_t(id)];
+        for (int i = 0; i < 64; ++i) {
+            const float sharpness = i & 1 ? kSofterSharpness : kHardSharpness, complement = i & 2 ? 1 : 0,
+                        pairs = model.parts > 2 ? float(i / 4 % (model.parts - 1)) : 0;
+            ModelParams params{};
+            std::vector<float> edges;
+            for (size_t k = 0; k < size_t(model.parts); ++k) {
+                edges.push_back(float(random(-0.9, 0.9)));
+                params[k] = sharpness * vec4(vec3(random.direction()), edges[k]);
+            }
+            params[size_t(model.flagSlot())] = withCombination(vec4(0), {complement, pairs});
+            const auto bytes = packAllParams(model, {&params, 1}, mat3(1), 8);
+            const ModelParams back = unpackAllParams(model, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 1,
+                                                     mat3(1), 8)[0];
+            for (size_t k = 0; k < size_t(model.parts); ++k) {
+                EXPECT_NEAR(length(vec3(back[k])), sharpness, 1e-3) << model.name;
+                EXPECT_NEAR(back[k].w / sharpness, edges[k], 0.03) << model.name;
+            }
+            EXPECT_EQ(combinationIn(back[size_t(model.flagSlot())]).complement, complement);
+            EXPECT_EQ(combinationIn(back[size_t(model.flagSlot())]).pairs, pairs);
+        }
+    }
+}
+
 TEST(Models, FormsTurnWithTheirFrame) {
     Random random(52);
     for (const Model& model : models()) {

@@ -77,12 +77,17 @@ BakedPoint fittedSh(const FitTools&, const Samples& samples, const mat3&, const 
     return {{vec3(direction * lattice.solidAngle()), float(area * lattice.solidAngle())}, {}};
 }
 
+// Softer edges are taken where they err a little more, too: hard ones that lie beside the true edge are seen as mottle.
+constexpr float kSofterShare = 0.2f;
+
 // Two hard edges are fitted from few starts: more would lower the error by a fiftieth, at a third of the speed.
 LobeFitOptions hardLobes(int lobes, float sharpness) {
     LobeFitOptions fitOptions;
     fitOptions.lobes = lobes;
     fitOptions.sharpness = sharpness;
     fitOptions.pairs = true;
+    fitOptions.softer = sharpness > 0 ? kSofterSharpness : 0;
+    fitOptions.softerShare = kSofterShare;
     if (lobes != 2 || sharpness == 0) {
         fitOptions.starts = 6;
         fitOptions.firstSteps = 6;
@@ -94,6 +99,7 @@ LobeFitOptions hardLobes(int lobes, float sharpness) {
 LobeFitOptions asCaps(int lobes) {
     LobeFitOptions fitOptions = hardLobes(lobes, kCapSharpness);
     fitOptions.pairs = false;
+    fitOptions.softer = 0;
     return fitOptions;
 }
 

@@ -318,14 +318,24 @@ LobeFit fitCount(const Samples& samples, const CapDictionary& dictionary, LobeFi
         if constexpr (Hard && K >= 3) tryStarts<K, Hard, 1>(samples, complement, options, pairedStarts<K, 1>(samples, complement), best);
         if constexpr (Hard && K >= 4) tryStarts<K, Hard, 2>(samples, complement, options, pairedStarts<K, 2>(samples, complement), best);
     }
-    LobeFit out;
-    out.error = [&] {
+    const auto finishOf = [&](const LobeFitOptions& how, Best<K>& from) {
         if constexpr (Hard && K >= 4)
-            if (best.pairs == 2) return finish<K, Hard, 2>(samples, options, best);
+            if (from.pairs == 2) return finish<K, Hard, 2>(samples, how, from);
         if constexpr (Hard && K >= 3)
-            if (best.pairs == 1) return finish<K, Hard, 1>(samples, options, best);
-        return finish<K, Hard, 0>(samples, options, best);
-    }();
+            if (from.pairs == 1) return finish<K, Hard, 1>(samples, how, from);
+        return finish<K, Hard, 0>(samples, how, from);
+    };
+    Best<K> softer = best;
+    LobeFit out;
+    out.error = finishOf(options, best);
+    if (Hard && options.softer > 0) {
+        LobeFitOptions how = options;
+        how.sharpness = options.softer;
+        if (const double error = finishOf(how, softer); error < out.error * (1 + options.softerShare)) {
+            best = softer;
+            out.error = error;
+        }
+    }
     out.count = K;
     out.complement = best.complement;
     out.pairs = best.pairs;

@@ -21,6 +21,8 @@ struct LobeFit {
 struct LobeFitOptions {
     int lobes = 1;            // 1 .. 4
     float sharpness = 0;      // > 0: the length of every slope; 0: lengths are free, for one or two lobes only
+    float softer = 0;         // > 0: another length that every slope may have instead,
+    float softerShare = 0;    // where the error is less than 1 + this times that of `sharpness`
     bool pairs = false;       // also try LobeFit::pairs, for three or four lobes with a sharpness
     float ambientWeight = 0;  // weight of the squared error of the irradiance from a uniform sky
     int steps = 8;            // Levenberg–Marquardt steps, at most,
