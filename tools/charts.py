@@ -43,12 +43,14 @@ def mean(values):
 
 
 def means(rows, radius):
-    """One entry a model: the mean over the scenes of all its columns, and the largest leaks, for lights of one radius."""
+    """One entry a model: the mean over the scenes of all its columns (of edges, over those that have any), and the largest leaks, for lights of one radius."""
     out = {}
     for row in rows:
         if row["light_radius_deg"] == radius:
             out.setdefault(name(row), []).append(row)
-    return {model: {key: (max if key.startswith("leak") else mean)(r[key] for r in found) for key in found[0] if key not in ("scene", "model", "source")}
+    def drawn(values):
+        return mean(v for v in values if v is not None)
+    return {model: {key: (max if key.startswith("leak") else drawn if key == "whole_edge" else mean)(r[key] for r in found) for key in found[0] if key not in ("scene", "model", "source")}
             for model, found in out.items()}
 
 
@@ -136,6 +138,27 @@ def leak_chart(rows, radius, folder):
     save(figure, folder, "leaks")
 
 
+def mottle_chart(rows, folder):
+    """What each model errs from one stored point to the next, where truth is even. False where nothing was measured between them."""
+    found = {}
+    for radius in sorted({r["light_radius_deg"] for r in rows}):
+        table = {model: row["whole_mottle"] for model, row in means(rows, radius).items() if row["whole_mottle"] is not None}
+        if table:
+            found[radius] = table
+    if not found:
+        return False
+    small, large = min(found), max(found)
+    order = sorted(found[small], key=lambda m: -found[small][m])
+    figure, axes = plt.subplots(figsize=(7.5, 1.2 + 0.24 * len(order)))
+    axes.barh(order, [found[small][m] for m in order], color="#999", height=0.8, label=f"light radius {small:g}°")
+    axes.barh(order, [found[large][m] for m in order], color="#c55", height=0.4, label=f"{large:g}°")
+    axes.set(xlabel="RMS of the error less its mean within two edges, E / (L π sin²r)", xlim=(0, None))
+    axes.legend(fontsize=7)
+    axes.set_title("Mottle: error that changes from point to point where truth does not, mean over the scenes", fontsize=9)
+    save(figure, folder, "mottle")
+    return True
+
+
 def radius_chart(rows, folder):
     radii = sorted({r["light_radius_deg"] for r in rows})
     figure, axes = plt.subplots(figsize=(7.5, 4.6))
@@ -197,7 +220,7 @@ def conclusions(rows, radius, tolerance=0.05):
 
 
 COLUMNS = [("numbers", "numbers", 2), ("bytes", "bytes", 2), ("rmse", "RMSE", 4), ("whole_rmse", "whole RMSE", 4), ("bias", "bias", 4), ("max", "max", 3),
-           ("ambient_rmse", "sky RMSE", 4), ("whole_ambient", "whole sky RMSE", 4), ("leak_max", "leak max", 3), ("leak_99", "leak 99 %", 3), ("cycles_navi21", "cycles a light, RDNA2", 0), ("cycles_pixel_navi21", "a pixel, RDNA2", 0),
+           ("ambient_rmse", "sky RMSE", 4), ("whole_ambient", "whole sky RMSE", 4), ("whole_mottle", "mottle", 4), ("whole_edge", "edge width / truth's", 1), ("leak_max", "leak max", 3), ("leak_99", "leak 99 %", 3), ("cycles_navi21", "cycles a light, RDNA2", 0), ("cycles_pixel_navi21", "a pixel, RDNA2", 0),
            ("cycles_lit_navi21", "a pixel of lit vertices, RDNA2", 0), ("cycles_polaris10", "a light, GCN4", 0), ("cycles_pixel_polaris10", "a pixel, GCN4", 0),
            ("time_ratio", "time of a light / N·L", 2), ("frame_ratio", "time of a frame / N·L", 2), ("bake_ratio", "bake / sh", 2), ("fits_per_second", "fits/s", 0)]
 
@@ -240,7 +263,7 @@ figure { margin: 1.5em 0 } img { max-width: 100% } figcaption { color: #666; fon
 </style></head><body>
 <h1>Error against cost</h1>
 <p>Made by <code>apertura chart</code> @VERSION@ on @DATE@; @RECEIVERS@ receivers a scene. RMSE is of E / (L π sin²r) against
-ray-traced truth, made at the receivers themselves; whole, interpolated between the samples of an asset. Cycles are what Mesa's compiler states for one wave of each Radeon, above N·L with no visibility: of one evaluation of a
+ray-traced truth, made at the receivers themselves; whole, interpolated between the samples of an asset, as are mottle (RMS of the error less its own mean within two edges of the mesh or cells of samples, where truth is even) and the width of drawn shadow edges over that of truth's own. Cycles are what Mesa's compiler states for one wave of each Radeon, above N·L with no visibility: of one evaluation of a
 light; of a pixel under one light and the sky, with all that it fetches, at three corners where a model does not mix; and of a pixel of
 which the vertices were lit before. Times are of @DEVICE@, a frame being 960 × 540 pixels of the statue, under the light that the charts are
 of. Hollow points are rivals, as their authors would make them, and methods as published; their bytes are those that they need alone.</p>
@@ -281,18 +304,19 @@ def markdown(rows, table, fronts, folder, radius, about, date):
              f"Made by `apertura chart` {about['version']} on {date}, {about['receivers']} receivers a scene. RMSE of E / (L π sin²r), "
              "mean over the scenes; whole: interpolated between what an asset stores, elsewhere made at the receivers; cycles above N·L as Mesa's compiler states them for one wave.", "",
              "![error against the cycles of a pixel](error-cycles-pixel-navi21.png)", "", "![error by scene](scenes.png)", "",
-             "| model | numbers | bytes | " + " | ".join(f"{r:g}°" for r in radii) + f" | whole, {radius:g}° | sky | whole sky | leak 99 % | a light, {radius:g}° | "
+             "| model | numbers | bytes | " + " | ".join(f"{r:g}°" for r in radii) + f" | whole, {radius:g}° | sky | whole sky | mottle, {radii[0]:g}° | mottle, {radius:g}° | edges, {radii[0]:g}° | leak 99 % | a light, {radius:g}° | "
              + " | ".join(f"a pixel, {r:g}°" for r in radii if r != 1 and r < 30) + f" | GCN4, {radius:g}° | frame / N·L | bake / sh |",
-             "|---|---|---|" + "---|" * (len(radii) + 8 + sum(r != 1 and r < 30 for r in radii))]
+             "|---|---|---|" + "---|" * (len(radii) + 11 + sum(r != 1 and r < 30 for r in radii))]
     for model, row in table.items():
         cells = ["" if model == "shadow-map" else cell(row[key], 2).rstrip("0").rstrip(".") for key in ("numbers", "bytes")] + [cell(tables[r][model]["rmse"], 3) for r in radii]
-        cells += [cell(row[key], 3) for key in ("whole_rmse", "ambient_rmse", "whole_ambient", "leak_99")]
+        cells += [cell(row[key], 3) for key in ("whole_rmse", "ambient_rmse", "whole_ambient")]
+        cells += [cell(tables[radii[0]][model]["whole_mottle"], 3), cell(row["whole_mottle"], 3), cell(tables[radii[0]][model]["whole_edge"], 0), cell(row["leak_99"], 3)]
         cells += [ cell(row["cycles_navi21"], 0)]
         cells += [cell(tables[r][model]["cycles_pixel_navi21"], 0) for r in radii if r != 1 and r < 30]
         cells += [cell(row["cycles_pixel_polaris10"], 0), cell(row["frame_ratio"], 2), cell(row["bake_ratio"], 2)]
         model += "`, rival" if row["baseline"] else "`"
         lines.append(f"| `{model} | " + " | ".join(cells) + " |")
-    lines += ["", f"Cycles of RDNA2 but where GCN4 is said, of one evaluation of a light and of a whole pixel; leaks and frames are those of a light of {radius:g}°. A rival's bytes are what it needs alone. Leak: what one in a hundred lights that truth blocks altogether exceeds, in the worst scene.", "", f"## Which model for which scene (light radius {radius:g}°)", "",
+    lines += ["", f"Cycles of RDNA2 but where GCN4 is said, of one evaluation of a light and of a whole pixel; leaks and frames are those of a light of {radius:g}°. A rival's bytes are what it needs alone. Leak: what one in a hundred lights that truth blocks altogether exceeds, in the worst scene. Mottle: RMS of the error less its own mean within two edges of the mesh or cells of samples, where truth is even. Edges: the width of the shadow edges that are drawn over that of truth's own.", "", f"## Which model for which scene (light radius {radius:g}°)", "",
               "| scene | fewest numbers within 0.05 | best of all |", "|---|---|---|"]
     lines += [f"| {s} | {t} | {b} |" for s, t, b in conclusions(rows, radius)]
     for column, title in (("bytes", "bytes"), ("cycles_pixel_navi21", "RDNA2 cycles a pixel"), ("bake_ratio", "bake time")):
@@ -318,6 +342,8 @@ def main():
                 ("error-bake-ratio", "Error against bake time"), ("error-frame-ratio", "Error against the time of a frame on this machine's device"),
                 ("error-cycles-pixel-polaris10", "Error against GPU cycles a pixel, GCN4"), ("error-by-radius", "Error by the size of the light"),
                 ("scenes", "Error by scene"), ("leaks", "Light through what blocks all of it")]
+    if mottle_chart(rows, folder):
+        pictures.append(("mottle", "Error from point to point where truth is even"))
     if map_chart(maps, folder):
         pictures.append(("worst-scenes", "Where each model errs, in its worst scene"))
     page(rows, folder, radius, about, date, pictures)

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "bake/fit/bake.h"
+#include "bake/measure/appearance.h"
 #include "bake/measure/measure.h"
 #include "bake/scene/builtin.h"
 #include "runtime/asset/asset.h"
@@ -81,9 +82,9 @@ std::string inQuotes(const std::string& text) {
     return out + "\"";
 }
 
-// A model's whole error, between the samples that an asset stores, and that of the sky: by scene, model, source and light radius.
+// What a model errs between the samples that an asset stores, and how that looks: by scene, model, source and light radius.
 struct WholeError {
-    double rmse, ambient;
+    double rmse, ambient, mottle, edge;  // as MeasureRow's
 };
 using WholeErrors = std::map<std::tuple<std::string, std::string, std::string, double>, WholeError>;
 
@@ -111,7 +112,7 @@ void addWholeErrors(const Scene& scene, const std::vector<const Model*>& models,
         writeAsset(file.name(), scene, bakeScene(scene, Tracer(scene), bake, part(progress, done, middle)), info);
         measure.models = made;
         for (const MeasureRow& row : measureAsset(readAsset(file.name()), measure, part(progress, middle, next)).rows)
-            out[{scene.name, row.model, row.source, row.lightRadius}] = {row.rmse, row.ambient};
+            out[{scene.name, row.model, row.source, row.lightRadius}] = {row.rmse, row.ambient, row.mottle, row.edge};
         done = next;
     }
 }
@@ -130,7 +131,7 @@ std::string toCsv(const std::vector<Measurement>& all, const WholeErrors& whole,
     std::ostringstream out;
     out.precision(6);
     out << "scene,model,source,baseline,numbers,bytes,light_radius_deg,rmse,bias,max,rms_truth,noise,ambient_rmse,leak_max,leak_99,"
-           "whole_rmse,whole_ambient";
+           "whole_rmse,whole_ambient,whole_mottle,whole_edge";
     for (const char* family : kFamilies) out << ",cycles_" << family << ",cycles_pixel_" << family << ",cycles_lit_" << family;
     out << ",time_ratio,frame_ratio,texels_per_metre,bake_ratio,fits_per_second\n";
     // An empty cell, where a figure is not there.
@@ -145,10 +146,15 @@ std::string toCsv(const std::vector<Measurement>& all, const WholeErrors& whole,
             out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << (!model || model->baseline) << ',' << r.numbers << ','
                 << r.bytes << ',' << r.lightRadius << ',' << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise
                 << ',' << r.ambient << ',' << r.leakMax << ',' << r.leak99 << ',';
-            if (const auto found = whole.find({m.scene, r.model, r.source, r.lightRadius}); found != whole.end())
-                out << found->second.rmse << ',' << found->second.ambient;
-            else
+            if (const auto found = whole.find({m.scene, r.model, r.source, r.lightRadius}); found != whole.end()) {
+                const WholeError& error = found->second;
+                out << error.rmse << ',' << error.ambient << ',';
+                if (r.lightRadius <= Appearance::kLargest) out << error.mottle;
                 out << ',';
+                if (error.edge > 0) out << error.edge;
+            } else {
+                out << ",,,";
+            }
             const CostKey key(model ? model->id : kShadowMapId, classOf(r.lightRadius));
             for (const char* family : kFamilies) {
                 const auto found = costs.cycles.find(family);

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "bake/measure/appearance.h"
 #include "bake/measure/measure.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
@@ -45,6 +46,10 @@ nlohmann::ordered_json toJson(const Measurement& m) {
             rows.back()["own"] = r.own;
             rows.back()["ratio"] = r.rmse / r.own;
             rows.back()["ambient_own"] = r.ambientOwn;
+            if (r.lightRadius <= Appearance::kLargest) {
+                rows.back()["mottle"] = r.mottle;
+                rows.back()["edge"] = r.edge > 0 ? nlohmann::ordered_json(r.edge) : nlohmann::ordered_json();
+            }
         }
         if (r.texelsPerMetre > 0) rows.back()["texels_per_metre"] = r.texelsPerMetre;
     }
@@ -79,6 +84,12 @@ void print(const Measurement& m, const std::vector<double>& radii) {
         if (!m.paths.empty() || !(first.own > 0)) continue;
         std::printf("%-33s %7.4f", "  at the receivers themselves", first.ambientOwn);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].own);
+        std::printf("\n%-41s", "  mottle");
+        for (size_t k = 0; k < radii.size(); ++k)
+            radii[k] <= Appearance::kLargest ? std::printf(" %8.4f", m.rows[i + k].mottle) : std::printf(" %8s", "");
+        std::printf("\n%-41s", "  width of edges, over truth's own");
+        for (size_t k = 0; k < radii.size(); ++k)
+            m.rows[i + k].edge > 0 ? std::printf(" %8.1f", m.rows[i + k].edge) : std::printf(" %8s", "");
         std::printf("\n");
     }
     const auto footer = [&](const char* name, double MeasureRow::*field) {

@@ -11,6 +11,7 @@
 
 #include "bake/fit/bake.h"
 #include "bake/fit/choose.h"
+#include "bake/measure/appearance.h"
 #include "bake/measure/rows.h"
 #include "bake/sampling/progress.h"
 #include "runtime/asset/receiver.h"
@@ -279,12 +280,17 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
     if (baked && baked->model == MODEL_AUTO)
         fitOptions.lambda = planAuto(occlusion, points, tools, bake, asset.info.tolerance, part(progress, 0.8, 0.85)).lambda;
     std::vector<std::vector<BakedPoint>> own(recipes.size(), std::vector<BakedPoint>(points.size()));
-    samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.85, 1),
+    samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.85, 0.9),
                  [&](size_t i, const Samples& samples, const glm::mat3& frame) {
                      for (size_t k = 0; k < recipes.size(); ++k) own[k][i] = makePoint(*recipes[k], tools, samples, frame, fitOptions);
                  });
     std::vector<Visibility> truth;
     for (const BakedPoint& p : own[0]) truth.push_back(p.visibility);
+
+    std::vector<double> small;
+    for (const double radius : options.lightRadii)
+        if (radius <= Appearance::kLargest) small.push_back(radius);
+    const Appearance appearance(asset, tracer, lit.points, small, options.seed, part(progress, 0.9, 1));
 
     Measurement out;
     out.scene = asset.scene.name;
@@ -306,6 +312,12 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
         addRows(lit, receiversOf(*recipe, *model, own[k], points, unreached), truth, options, there);
         for (size_t r = 0; r < there.size(); ++r)
             out.rows[first + r].own = there[r].rmse, out.rows[first + r].ambientOwn = there[r].ambient;
+        for (size_t r = first; r < out.rows.size(); ++r) {
+            MeasureRow& row = out.rows[r];
+            if (row.lightRadius > Appearance::kLargest) continue;
+            row.mottle = appearance.mottle(*model, row.lightRadius);
+            row.edge = appearance.edge(*model, row.lightRadius);
+        }
     }
     if (options.shadowMap) addShadowRows(lit, tracer, worldBounds(asset.scene), truth, options, out.rows);
     return out;

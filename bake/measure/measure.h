@@ -35,6 +35,8 @@ struct MeasureRow {
     double noise = 0;                // RMS of the truth's own sampling error
     double ambient = 0;              // RMSE of the irradiance from a uniform sky, over pi
     double own = 0, ambientOwn = 0;  // measureAsset: rmse and ambient of the model made at the same receivers themselves
+    // measureAsset, of lights up to Appearance::kLargest: see mottleOf, and Appearance::edge. 0 where there is none.
+    double mottle = 0, edge = 0;
     // Light that the model lets through where the truth is 0, for lights with a cosine to the normal over 0.1 (6 degrees
     // above the surface): the maximum and the 99th percentile. 0 if there are no such lights.
     double leakMax = 0, leak99 = 0;
