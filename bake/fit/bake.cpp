@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "bake/fit/agree.h"
 #include "bake/fit/choose.h"
 #include "bake/fit/faces.h"
 #include "bake/sampling/progress.h"
@@ -33,11 +34,30 @@ double ownErrorOf(const Scene& scene, const OcclusionSource& source, const Solid
     samplePoints(source, points, tools.lattice, options.seed, options.threads, progress,
                  [&](size_t i, const Samples& samples, const glm::mat3& frame) {
                      const BakedPoint local = recipe.make(tools, samples, frame, fitOptions);
-                     errors[i] = probeError(tools, tools.probes[0], samples, visibleTo(tools.lattice, model, local));
+                     errors[i] = probeError(tools, tools.probes[0], samples, visibleTo(tools.lattice.directions(), model, local));
                  });
     double sum = 0;
     for (const double error : errors) sum += error * error;
     return std::sqrt(sum / double(std::max<size_t>(errors.size(), 1)));
+}
+
+FitOptions fitOptionsOf(const BakeOptions& options) { return {options.tolerance, options.lambda, options.price, options.terrain}; }
+
+// Vertices that an edge joins, across those that are split; twins are each other's neighbours.
+Neighbours neighboursOf(const Scene& scene, const VertexPoints& vertices) {
+    std::vector<std::vector<uint32_t>> pointOf;
+    for (const Instance& instance : scene.instances) pointOf.emplace_back(scene.surfaces[instance.surface].positions.size(), 0);
+    for (size_t k = 0; k < vertices.places.size(); ++k) pointOf[vertices.places[k].first][vertices.places[k].second] = uint32_t(k);
+    std::vector<std::pair<uint32_t, uint32_t>> edges;
+    std::optional<StoredPoints> stored;
+    for (size_t k = 0, last = scene.instances.size(); k < vertices.places.size(); ++k) {
+        const auto [instance, vertex] = vertices.places[k];
+        if (instance != last) stored.emplace(scene, instance);
+        last = instance;
+        edges.emplace_back(k, pointOf[instance][stored->firstTwin(vertex)]);
+        for (const uint32_t near : stored->neighbours(vertex)) edges.emplace_back(k, pointOf[instance][near]);
+    }
+    return Neighbours(vertices.places.size(), std::move(edges));
 }
 
 }  // namespace
@@ -51,20 +71,22 @@ AutoPlan planAuto(const OcclusionSource& source, std::span<const SurfacePoint> p
 }
 
 void bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options, const Progress& progress,
-                const std::function<void(size_t, const BakedPoint&)>& keep) {
+                const std::function<void(size_t, const BakedPoint&, const Samples&, const glm::mat3&)>& keep) {
     const Recipe& recipe = recipeNamed(options.recipe);
     if (recipe.model == MODEL_AUTO && !(options.lambda > 0)) throw Error("the recipe auto needs a lambda: planAuto finds it");
     const FitTools tools(options.rays, useOf(recipe));
-    const FitOptions fitOptions{options.tolerance, options.lambda, options.price, options.terrain};
-    samplePoints(
-        source, points, tools.lattice, options.seed, options.threads, progress,
-        [&](size_t i, const Samples& samples, const glm::mat3& frame) { keep(i, makePoint(recipe, tools, samples, frame, fitOptions)); });
+    const FitOptions fitOptions = fitOptionsOf(options);
+    samplePoints(source, points, tools.lattice, options.seed, options.threads, progress,
+                 [&](size_t i, const Samples& samples, const glm::mat3& frame) {
+                     keep(i, makePoint(recipe, tools, samples, frame, fitOptions), samples, frame);
+                 });
 }
 
 std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options,
                                    const Progress& progress) {
     std::vector<BakedPoint> out(points.size());
-    bakePoints(source, points, options, progress, [&](size_t i, const BakedPoint& point) { out[i] = point; });
+    bakePoints(source, points, options, progress,
+               [&](size_t i, const BakedPoint& point, const Samples&, const glm::mat3&) { out[i] = point; });
     return out;
 }
 
@@ -96,11 +118,24 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
         const size_t count = scene.surfaces[instance.surface].positions.size();
         out.push_back({std::vector<Visibility>(count), std::vector<ModelParams>(stored ? count : 0, closed)});
     }
-    bakePoints(source, points, bakeOptions, baking, [&](size_t k, const BakedPoint& baked) {
+    const Model* model = stored ? &models()[size_t(recipeNamed(options.recipe).model)] : nullptr;
+    const bool agreeing = model && canAgree(*model);
+    std::vector<FittedPoint> fitted(agreeing ? points.size() : 0);
+    bakePoints(source, points, bakeOptions, agreeing ? part(baking, 0, 0.7) : baking,
+               [&](size_t k, const BakedPoint& baked, const Samples& samples, const glm::mat3& frame) {
+                   const auto [instance, vertex] = vertices.places[k];
+                   out[instance].visibility[vertex] = baked.visibility;
+                   if (stored) out[instance].allParams[vertex] = baked.params;
+                   if (agreeing) fitted[k] = {baked, frame, samples.bits};
+               });
+    if (!agreeing) return out;
+    agree(*model, FitTools(options.rays, useOf(recipeNamed(options.recipe))), fitOptionsOf(bakeOptions), fitted,
+          neighboursOf(scene, vertices), options.seed, part(baking, 0.7, 1));
+    for (size_t k = 0; k < fitted.size(); ++k) {
         const auto [instance, vertex] = vertices.places[k];
-        out[instance].visibility[vertex] = baked.visibility;
-        if (stored) out[instance].allParams[vertex] = baked.params;
-    });
+        out[instance].visibility[vertex] = fitted[k].baked.visibility;
+        out[instance].allParams[vertex] = fitted[k].baked.params;
+    }
     return out;
 }
 

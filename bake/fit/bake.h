@@ -48,7 +48,7 @@ AutoPlan planAuto(const OcclusionSource& source, std::span<const SurfacePoint> p
 // number of threads. Throws Cancelled, and Error where there is no such recipe, or it is "auto" without a lambda.
 //   keep  called once for each point, with its index, from any thread
 void bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options, const Progress& progress,
-                const std::function<void(size_t, const BakedPoint&)>& keep);
+                const std::function<void(size_t, const BakedPoint&, const Samples&, const glm::mat3& frame)>& keep);
 std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options,
                                    const Progress& progress = {});
 

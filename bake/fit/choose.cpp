@@ -34,13 +34,13 @@ double probeError(const FitTools& tools, const FitTools::Probes& probes, const S
     return std::sqrt(sum / double(std::max<size_t>(probes.inside.size(), 1)));
 }
 
-std::vector<float> visibleTo(const SampleLattice& lattice, const Model& model, const BakedPoint& point) {
+std::vector<float> visibleTo(std::span<const vec3> directions, const Model& model, const BakedPoint& point) {
     const vec3 normal(0, 0, 1);
     const Receiver receiver = toReceiver(point.visibility,
                                          toParams(model, point.visibility, model.isStored() ? &point.params : nullptr, normal), normal);
     std::vector<float> out;
     const float s = 1e-3f;
-    for (const vec3& w : lattice.directions()) {
+    for (const vec3& w : directions) {
         const CapLight light = capLight(w, s);
         out.push_back(irradianceThrough(model.id, receiver, light, LIGHTS_SUN)
                       / std::max(unoccludedIrradiance(normal, light, LIGHTS_SUN), 1e-12f));
@@ -65,7 +65,7 @@ std::vector<Candidate> makeCandidates() {
 
 BakedPoint makeCandidate(const Candidate& candidate, const FitTools& tools, const Samples& samples, const mat3& frame, double& error) {
     BakedPoint point = candidate.recipe->make(tools, samples, frame, {});
-    const std::vector<float> visible = visibleTo(tools.lattice, *candidate.model, point);
+    const std::vector<float> visible = visibleTo(tools.lattice.directions(), *candidate.model, point);
     error = 0;
     for (const FitTools::Probes& probes : tools.probes) error = std::max(error, probeError(tools, probes, samples, visible));
     setChoice(point.params, *candidate.model, false);
@@ -159,6 +159,29 @@ BakedPoint chooseModel(const FitTools& tools, const Samples& samples, const mat3
         reached);
     setChoice(made[best].params, *candidates()[best].model, !reached);
     return made[best];
+}
+
+BakedPoint withModel(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options, const BakedPoint& now,
+                     const Model& model, double share) {
+    const auto cost = [&](const Model& of, double error) { return priceOf(of, options.price) + options.lambda * error * error; };
+    const Model& before = chosenModel(models()[MODEL_AUTO], now.params);
+    const BakedPoint local{{transpose(frame) * now.visibility.direction, now.visibility.area},
+                           rotateParams(before, now.params, transpose(frame))};
+    double most = 0;
+    const std::vector<float> visible = visibleTo(tools.lattice.directions(), before, local);
+    for (const FitTools::Probes& probes : tools.probes) most = std::max(most, probeError(tools, probes, samples, visible));
+    most = cost(before, most) * (1 + share);
+    BakedPoint out = now;
+    for (const Candidate& candidate : candidates()) {
+        if (candidate.model != &model) continue;
+        double error;
+        BakedPoint made = makeCandidate(candidate, tools, samples, frame, error);
+        if (cost(model, error) > most) continue;
+        most = cost(model, error);
+        setChoice(made.params, model, error > options.tolerance);
+        out = {{frame * made.visibility.direction, made.visibility.area}, rotateParams(model, made.params, frame)};
+    }
+    return out;
 }
 
 }  // namespace apertura

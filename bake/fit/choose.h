@@ -7,9 +7,9 @@ namespace apertura {
 // The lights that models are judged by: 160 over the hemisphere, at radii of 5 and of 15 degrees.
 std::vector<FitTools::Probes> makeProbes(const SampleLattice& lattice);
 
-// The visibility, 0..1, that a model has at a point for each direction of the lattice. In the samples' frame: the normal
-// is +Z.
-std::vector<float> visibleTo(const SampleLattice& lattice, const Model& model, const BakedPoint& point);
+// The visibility, 0..1, that a model has at a point for each direction. In the samples' frame: the normal is +Z, and all directions lie
+// above it.
+std::vector<float> visibleTo(std::span<const vec3> directions, const Model& model, const BakedPoint& point);
 
 // RMSE of E / (L pi sin^2 r) over the probes of one radius r, to a factor of (1 + cos r) / 2, which is 0.98 at 15
 // degrees. `visible`: from visibleTo. Model and truth are summed over the same directions, so both have the error that a
@@ -43,5 +43,10 @@ const Model* leastAlone(std::span<const CandidateErrors> points, double toleranc
 
 // The `make` of the recipe "auto", at options.lambda: the result's params hold those of the chosen model, and its Choice.
 BakedPoint chooseModel(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options);
+
+// The point of another model, in the world as `now`, where that costs (price + lambda * error^2) no more than 1 + `share` times what `now`
+// does; else `now`.
+BakedPoint withModel(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options, const BakedPoint& now,
+                     const Model& model, double share);
 
 }  // namespace apertura

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "bake/fit/agree.h"
 #include "bake/fit/choose.h"
 #include "bake/sampling/directions.h"
 #include "runtime/asset/faces.h"
@@ -53,6 +54,17 @@ struct Sites {
             }
         }
     }
+
+    // Sites that an edge of a cell joins.
+    Neighbours neighbours(std::span<const Face> faces, const SeenOnFaces& seen) const {
+        std::vector<std::pair<uint32_t, uint32_t>> edges;
+        for (const Face& face : faces) {
+            if (face.level == 0) continue;
+            const uint32_t* own = &ofSample[seen.first[face.triangle]];
+            forLatticeEdges(latticeSteps(face.level), [&](int a, int b) { edges.emplace_back(own[a], own[b]); });
+        }
+        return Neighbours(all.size(), std::move(edges));
+    }
 };
 
 }  // namespace
@@ -70,6 +82,8 @@ size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unkno
     const std::span<const glm::vec3> directions = tools_.lattice.directions();
     const Sites sites(unknowns, faces, seen);
     std::vector<BakedPoint> baked(sites.all.size());
+    const bool agreeing = recipe_.model >= 0 && canAgree(models()[size_t(recipe_.model)]);
+    std::vector<FittedPoint> fitted(agreeing ? baked.size() : 0);
     tbb::parallel_for(tbb::blocked_range<size_t>(0, baked.size(), 8), [&](const tbb::blocked_range<size_t>& range) {
         std::vector<uint8_t> blocked(directions.size()), some(directions.size());
         for (size_t s = range.begin(); s < range.end() && !counter.stopped(); ++s) {
@@ -106,10 +120,15 @@ size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unkno
             samples.source = &source_;
             samples.point = &point;
             baked[s] = makePoint(recipe_, tools_, samples, frame, fitOptions_);
+            if (agreeing) fitted[s] = {baked[s], frame, samples.bits};
             counter.add(1);
         }
     });
     counter.throwIfStopped();
+    if (agreeing) {
+        agree(models()[size_t(recipe_.model)], tools_, fitOptions_, fitted, sites.neighbours(faces, seen), options_.seed, {});
+        for (size_t s = 0; s < baked.size(); ++s) baked[s] = fitted[s].baked;
+    }
     if (recipe_.model >= 0) seen.allParams.resize(seen.visibility.size());
     for (size_t n = 0; n < seen.visibility.size(); ++n) {
         const BakedPoint& b = baked[sites.ofSample[n]];

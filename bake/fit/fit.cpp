@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "bake/fit/choose.h"
@@ -103,43 +104,97 @@ LobeFitOptions asCaps(int lobes) {
     return fitOptions;
 }
 
+// Lobes that stand for a cap, or for the blocked part outside of one, and back.
 vec4 toCap(const vec4& lobe, bool complement) {
     const float slope = std::max(length(vec3(lobe)), 1e-6f);
     const float height = std::clamp(1 + lobe.w / slope, 0.0f, 2.0f);
     return complement ? vec4(-vec3(lobe) / slope, 2 - height) : vec4(vec3(lobe) / slope, height);
 }
+vec4 fromCap(const vec4& cap, bool complement) {
+    return kCapSharpness * (complement ? vec4(-vec3(cap), 1 - cap.w) : vec4(vec3(cap), cap.w - 1));
+}
 
 // The better of one cap and one anti-cap.
-BakedPoint fittedAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Product, asCaps(1));
+ModelParams antiOf(const LobeFit& fit) {
     const vec4 cap = toCap(fit.lobes[0], false);
     const bool anti = cap.w > 1;
     const vec4 own = anti ? vec4(-vec3(cap), 2 - cap.w) : cap;
     const Aperture aperture = makeAperture(vec3(own), own.w);
-    return {project(samples), paramsOf(withTwoCaps({}, {aperture, aperture, anti ? 1.0f : 0.0f, 0}))};
+    return paramsOf(withTwoCaps({}, {aperture, aperture, anti ? 1.0f : 0.0f, 0}));
+}
+LobeFit lobeOfAnti(const ModelParams& params) {
+    LobeFit out;
+    out.count = 1;
+    const vec4 own = params[0];
+    out.lobes[0] = fromCap(combinationIn(params[2]).complement > 0.5f ? vec4(-vec3(own), 2 - own.w) : own, false);
+    return out;
 }
 
 template <int K>
-BakedPoint caps(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Complement, asCaps(K));
-    BakedPoint out{project(samples), {}};
-    for (int k = 0; k < K; ++k) out.params[k] = toCap(fit.lobes[k], true);
+ModelParams capsOf(const LobeFit& fit) {
+    ModelParams out{};
+    for (int k = 0; k < K; ++k) out[size_t(k)] = toCap(fit.lobes[k], true);
+    return out;
+}
+template <int K>
+LobeFit lobesOfCaps(const ModelParams& params) {
+    LobeFit out;
+    out.count = K;
+    out.complement = true;
+    for (int k = 0; k < K; ++k) out.lobes[k] = fromCap(params[size_t(k)], true);
     return out;
 }
 
-BakedPoint capAnti(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, asCaps(2));
+ModelParams capAntiOf(const LobeFit& fit) {
     auto cap = [&](int k) { return apertureIn(toCap(fit.lobes[k], false), vec3(0)); };
-    return {project(samples), paramsOf(withTwoCaps({}, {cap(0), cap(1), fit.complement ? 1.0f : 0.0f, 0}))};
+    return paramsOf(withTwoCaps({}, {cap(0), cap(1), fit.complement ? 1.0f : 0.0f, 0}));
+}
+LobeFit lobesOfCapAnti(const ModelParams& params) {
+    LobeFit out;
+    out.count = 2;
+    out.complement = combinationIn(params[2]).complement > 0.5f;
+    for (int k = 0; k < 2; ++k) out.lobes[k] = fromCap(params[size_t(k)], false);
+    return out;
 }
 
-template <int K, bool Hard>
-BakedPoint lobes(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
-    const LobeFit fit = fitLobes(samples, tools.dictionary, LobeFitSides::Both, hardLobes(K, Hard ? kHardSharpness : 0));
-    BakedPoint out{project(samples), {}};
-    for (int k = 0; k < K; ++k) out.params[k] = fit.lobes[k];
-    out.params[K] = withCombination(vec4(0), {fit.complement ? 1.0f : 0.0f, float(fit.pairs)});
+template <int K>
+ModelParams lobesOf(const LobeFit& fit) {
+    ModelParams out{};
+    for (int k = 0; k < K; ++k) out[size_t(k)] = fit.lobes[k];
+    out[K] = withCombination(vec4(0), {fit.complement ? 1.0f : 0.0f, float(fit.pairs)});
     return out;
+}
+template <int K>
+LobeFit lobesOfLobes(const ModelParams& params) {
+    LobeFit out;
+    out.count = K;
+    out.complement = combinationIn(params[K]).complement > 0.5f;
+    out.pairs = int(combinationIn(params[K]).pairs);
+    for (int k = 0; k < K; ++k) out.lobes[k] = params[size_t(k)];
+    return out;
+}
+
+const LobeForm* lobeForm(int model) {
+    using enum LobeFitSides;
+    static const std::map<int, LobeForm> all{
+        {MODEL_ANTI, {Product, asCaps(1), antiOf, lobeOfAnti}},
+        {MODEL_FIRM_2, {Both, hardLobes(2, kHardSharpness), lobesOf<2>, lobesOfLobes<2>}},
+        {MODEL_SOFT_2, {Both, hardLobes(2, 0), lobesOf<2>, lobesOfLobes<2>}},
+        {MODEL_FIRM_3, {Both, hardLobes(3, kHardSharpness), lobesOf<3>, lobesOfLobes<3>}},
+        {MODEL_FIRM_4, {Both, hardLobes(4, kHardSharpness), lobesOf<4>, lobesOfLobes<4>}},
+        {MODEL_MULTI_2, {Complement, asCaps(2), capsOf<2>, lobesOfCaps<2>}},
+        {MODEL_MULTI_3, {Complement, asCaps(3), capsOf<3>, lobesOfCaps<3>}},
+        {MODEL_MULTI_4, {Complement, asCaps(4), capsOf<4>, lobesOfCaps<4>}},
+        {MODEL_CAP_ANTI, {Both, asCaps(2), capAntiOf, lobesOfCapAnti}},
+    };
+    const auto found = all.find(model);
+    return found == all.end() ? nullptr : &found->second;
+}
+
+template <int Model>
+BakedPoint fittedLobes(const FitTools& tools, const Samples& samples, const mat3&, const FitOptions&) {
+    const LobeForm& form = *lobeForm(Model);
+    return {project(samples), form.toParams(fitLobes(samples, tools.dictionary, form.sides, form.options))};
 }
 
 BakedPoint quadric(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
@@ -168,16 +223,16 @@ constexpr Recipe kRecipes[] = {
     {"sh-fit", "fit", -1, MODEL_SOFT, "the four coefficients of the best soft aperture", fittedSh},
     {"sh-l2", "sh", MODEL_SH_L2, -1, "SH to band 2", bands},
     {"sh-l4", "sh", MODEL_SH_L4, -1, "SH to band 4", bands},
-    {"anti", "fit", MODEL_ANTI, -1, "the better of one aperture and one anti-aperture", fittedAnti},
-    {"firm-2", "fit", MODEL_FIRM_2, -1, "two hard-edged lobes", lobes<2, true>},
-    {"soft-2", "fit", MODEL_SOFT_2, -1, "two soft lobes", lobes<2, false>},
+    {"anti", "fit", MODEL_ANTI, -1, "the better of one aperture and one anti-aperture", fittedLobes<MODEL_ANTI>},
+    {"firm-2", "fit", MODEL_FIRM_2, -1, "two hard-edged lobes", fittedLobes<MODEL_FIRM_2>},
+    {"soft-2", "fit", MODEL_SOFT_2, -1, "two soft lobes", fittedLobes<MODEL_SOFT_2>},
     {"soft-l2", "fit", MODEL_SOFT_L2, -1, "a soft aperture with a quadratic exponent", quadric},
-    {"firm-3", "fit", MODEL_FIRM_3, -1, "three hard-edged lobes", lobes<3, true>},
-    {"firm-4", "fit", MODEL_FIRM_4, -1, "four hard-edged lobes", lobes<4, true>},
-    {"multi-2", "fit", MODEL_MULTI_2, -1, "two apertures", caps<2>},
-    {"multi-3", "fit", MODEL_MULTI_3, -1, "three apertures", caps<3>},
-    {"multi-4", "fit", MODEL_MULTI_4, -1, "four apertures", caps<4>},
-    {"cap-anti", "fit", MODEL_CAP_ANTI, -1, "two of aperture and anti-aperture", capAnti},
+    {"firm-3", "fit", MODEL_FIRM_3, -1, "three hard-edged lobes", fittedLobes<MODEL_FIRM_3>},
+    {"firm-4", "fit", MODEL_FIRM_4, -1, "four hard-edged lobes", fittedLobes<MODEL_FIRM_4>},
+    {"multi-2", "fit", MODEL_MULTI_2, -1, "two apertures", fittedLobes<MODEL_MULTI_2>},
+    {"multi-3", "fit", MODEL_MULTI_3, -1, "three apertures", fittedLobes<MODEL_MULTI_3>},
+    {"multi-4", "fit", MODEL_MULTI_4, -1, "four apertures", fittedLobes<MODEL_MULTI_4>},
+    {"cap-anti", "fit", MODEL_CAP_ANTI, -1, "two of aperture and anti-aperture", fittedLobes<MODEL_CAP_ANTI>},
     {"horizon-4", "rays", MODEL_HORIZON_4, -1, "the horizon at 4 azimuths", horizon<4>},
     {"horizon-8", "rays", MODEL_HORIZON_8, -1, "the horizon at 8 azimuths", horizon<8>},
     {"horizon-16", "rays", MODEL_HORIZON_16, -1, "the horizon at 16 azimuths", horizon<16>},
@@ -194,6 +249,8 @@ constexpr Recipe kRecipes[] = {
 FitTools::FitTools(int rays, Use use) : lattice(rays), dictionary(lattice, use == Use::Samples ? 0 : 60, 10) {
     if (use == Use::Choice) probes = makeProbes(lattice);
 }
+
+const LobeForm* lobeFormOf(int model) { return lobeForm(model); }
 
 FitTools::Use useOf(const Recipe& recipe) {
     if (recipe.model == MODEL_AUTO) return FitTools::Use::Choice;

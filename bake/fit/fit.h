@@ -69,6 +69,17 @@ const Recipe& recipeNamed(std::string_view name);
 // parameters. Throws Error where there is none.
 const Recipe& recipeFor(const Model& model);
 
+// How a model is made of lobes that are fitted, and back.
+struct LobeForm {
+    LobeFitSides sides;
+    LobeFitOptions options;
+    ModelParams (*toParams)(const LobeFit&);
+    LobeFit (*toLobes)(const ModelParams&);  // LobeFit::error is not set
+};
+
+// That of a model, by its number; nullptr for models that are no lobes.
+const LobeForm* lobeFormOf(int model);
+
 // What tools a recipe needs.
 FitTools::Use useOf(const Recipe& recipe);
 

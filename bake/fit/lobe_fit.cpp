@@ -465,6 +465,39 @@ LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFi
     }
 }
 
+namespace {
+
+template <int K, bool Hard, int L = 0>
+LobeFit improve(const Samples& samples, const LobeFit& start, const LobeFitOptions& options) {
+    const Fitter<K, 4, Hard, L> fitter{*samples.lattice, samples.open.data(), start.complement, options};
+    Lobes<float, 4, K> p;
+    for (int k = 0; k < K; ++k) p.col(k) << start.lobes[k].w, start.lobes[k].x, start.lobes[k].y, start.lobes[k].z;
+    LobeFit out = start;
+    if (options.steps == 0) {
+        out.error = fitter.evaluate(p, false).error;
+        return out;
+    }
+    out.error = fitter.descend(p, options.steps).error;
+    for (int k = 0; k < K; ++k) out.lobes[k] = {p(1, k), p(2, k), p(3, k), p(0, k)};
+    return out;
+}
+
+}  // namespace
+
+LobeFit improveLobes(const Samples& samples, const LobeFit& start, LobeFitOptions options) {
+    const bool firm = options.sharpness > 0;
+    if (firm) options.sharpness = std::max(glm::length(glm::vec3(start.lobes[0])), 1e-3f);
+    switch (start.count) {
+        case 1: return (firm ? improve<1, true> : improve<1, false>)(samples, start, options);
+        case 2: return (firm ? improve<2, true> : improve<2, false>)(samples, start, options);
+        case 3: return (start.pairs ? improve<3, true, 1> : improve<3, true>)(samples, start, options);
+        default:
+            return (start.pairs == 2   ? improve<4, true, 2>
+                    : start.pairs == 1 ? improve<4, true, 1>
+                                       : improve<4, true>)(samples, start, options);
+    }
+}
+
 LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options) {
     using F = Fitter<1, 4, false, 0>;
     F::Parameters p(start.w, start.x, start.y, start.z);

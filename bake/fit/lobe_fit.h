@@ -61,6 +61,10 @@ enum class LobeFitSides { Product, Complement, Both };
 // Minimises LobeFit::error plus the error of the sky that ambientWeight asks for. Deterministic.
 LobeFit fitLobes(const Samples& samples, const CapDictionary& dictionary, LobeFitSides sides, const LobeFitOptions& options);
 
+// Improves lobes from `start`, as they are combined there, by `options.steps`, each as sharp as the first of them if `options.sharpness`
+// is above 0. With no steps only the error is set.
+LobeFit improveLobes(const Samples& samples, const LobeFit& start, LobeFitOptions options);
+
 // Improves one lobe of free sharpness from `start` (slope, offset).
 LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options);
 

@@ -59,21 +59,16 @@ StoredPoints::StoredPoints(const Scene& scene, size_t instance, const SeenOnFace
         if (level == 0) continue;
         const int steps = latticeSteps(level);
         const auto first = uint32_t(vertices + faces->first[t]);
-        const auto sampleAt = [&](int i, int j) { return first + uint32_t(latticeRow(j, steps) + i); };
-        for (int j = 0; j <= steps; ++j)
-            for (int i = 0; i + j <= steps; ++i) {
-                const uint32_t point = sampleAt(i, j);
-                const glm::vec3 weights = latticePoint(int(point - first), steps);
-                places_[point] = {int(t), weights};
-                for (size_t c = 0; c < 3; ++c) {
-                    at[point] += double(weights[int(c)]) * glm::dvec3(surface.positions[corners[c]]);
-                    normal[point] += weights[int(c)] * surface.normals[corners[c]];
-                }
-                if (i + j == steps) continue;
-                edges.emplace_back(point, sampleAt(i + 1, j));
-                edges.emplace_back(point, sampleAt(i, j + 1));
-                edges.emplace_back(sampleAt(i + 1, j), sampleAt(i, j + 1));
+        for (int sample = 0; sample < latticeSize(steps); ++sample) {
+            const uint32_t point = first + uint32_t(sample);
+            const glm::vec3 weights = latticePoint(sample, steps);
+            places_[point] = {int(t), weights};
+            for (size_t c = 0; c < 3; ++c) {
+                at[point] += double(weights[int(c)]) * glm::dvec3(surface.positions[corners[c]]);
+                normal[point] += weights[int(c)] * surface.normals[corners[c]];
             }
+        }
+        forLatticeEdges(steps, [&](int a, int b) { edges.emplace_back(first + uint32_t(a), first + uint32_t(b)); });
     }
     std::vector<uint32_t> order(at.size());
     std::iota(order.begin(), order.end(), 0u);

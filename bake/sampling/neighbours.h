@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/asset/asset.h"
+#include "sh/shading.h"
 
 namespace apertura {
 
@@ -23,6 +24,18 @@ public:
 private:
     std::vector<uint32_t> first_{0}, all_;
 };
+
+// Calls use(a, b) for each edge of each cell of a lattice, once or more, with its two samples.
+template <typename Use>
+void forLatticeEdges(int steps, Use&& use) {
+    for (int j = 0; j < steps; ++j)
+        for (int i = 0; i + j < steps; ++i) {
+            const int at = latticeRow(j, steps) + i, above = latticeRow(j + 1, steps) + i;
+            use(at, at + 1);
+            use(at, above);
+            use(at + 1, above);
+        }
+}
 
 // The points of an instance that visibility is stored at: its vertices, then the samples of its faces in their order. Two of them are
 // twins where they lie at one place and look the same way within 30 degrees: vertices that are split for texture coordinates, triangles

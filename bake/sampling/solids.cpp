@@ -98,14 +98,15 @@ void Solids::findThin(size_t instance) {
         int sky = 0, backs = 0;
         const uint64_t place = uint64_t(instance) << 32 | parts[part][0];
         for (int k = 0; k < kLooks && !isThin[part]; ++k) {
-            const double at = (k + hashUnit(1, place, uint64_t(4 * k))) / kLooks * areas.back();
+            const uint64_t turn = 4 * uint64_t(k);
+            const double at = (k + hashUnit(1, place, turn)) / kLooks * areas.back();
             const auto found = std::upper_bound(areas.begin() + 1, areas.end() - 1, at) - areas.begin() - 1;
             const size_t t = parts[part][size_t(found)];
-            double u = hashUnit(1, place, uint64_t(4 * k + 1)), v = hashUnit(1, place, uint64_t(4 * k + 2));
+            double u = hashUnit(1, place, turn + 1), v = hashUnit(1, place, turn + 2);
             if (u + v > 1) u = 1 - u, v = 1 - v;
             const SurfaceAt on = surfaceAt(scene_, int(instance), int(t), glm::vec3(1 - u - v, u, v));
             const SurfacePoint behind{on.position, -on.face, on.longest};
-            const glm::mat3 frame = frameFromZ(behind.normal, 2 * std::numbers::pi * hashUnit(1, place, uint64_t(4 * k + 3)));
+            const glm::mat3 frame = frameFromZ(behind.normal, 2 * std::numbers::pi * hashUnit(1, place, turn + 3));
             for (const glm::vec3& w : directions) {
                 const glm::vec3 direction = frame * w;
                 const glm::dvec3 origin = rayOrigin(tracer_, behind);

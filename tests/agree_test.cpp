@@ -1,0 +1,131 @@
+#include "bake/fit/agree.h"
+
+#include "bake/fit/choose.h"
+#include "bake/sampling/directions.h"
+#include "bake/sampling/occlusion.h"
+#include "bake/sampling/surface_points.h"
+#include "bake/scene/builtin.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+// Points on a line over the floor of a builtin scene, each fitted alone.
+struct Line {
+    Line(const Model& model, int count, const FitTools& tools, const FitOptions& options = {})
+        : scene(makeBuiltin("room-3")), tracer(scene) {
+        const SurfacePoint first = sampleSurface(scene, 1, 5)[0].at;
+        std::vector<std::pair<uint32_t, uint32_t>> edges;
+        for (int i = 0; i < count; ++i) {
+            points.push_back(first);
+            points.back().position += 0.02 * i * glm::dvec3(tangentTo(first.normal));
+            if (i > 0) edges.emplace_back(i, i - 1);
+        }
+        neighbours = Neighbours(size_t(count), edges);
+        fitted.resize(points.size());
+        samplePoints(RayOcclusion(tracer), points, tools.lattice, 1, 1, {}, [&](size_t i, const Samples& samples, const mat3& frame) {
+            fitted[i] = {makePoint(recipeFor(model), tools, samples, frame, options), frame, samples.bits};
+        });
+    }
+    Scene scene;
+    Tracer tracer;
+    std::vector<SurfacePoint> points;
+    std::vector<FittedPoint> fitted;
+    Neighbours neighbours;
+};
+
+// What the model lets through at a point in the directions of the first point's lattice.
+std::vector<float> seenBy(const Model& model, const FittedPoint& point, const FitTools& tools, const mat3& frame) {
+    const ModelParams local = rotateParams(chosenModel(model, point.baked.params), point.baked.params, transpose(frame));
+    return visibleTo(tools.lattice.directions(), model, {{}, local});
+}
+
+// Mean square difference from each point to the next.
+double disagreement(const Model& model, const Line& line, const FitTools& tools) {
+    double sum = 0;
+    for (size_t i = 1; i < line.fitted.size(); ++i) {
+        const auto a = seenBy(model, line.fitted[i - 1], tools, line.fitted[0].frame),
+                   b = seenBy(model, line.fitted[i], tools, line.fitted[0].frame);
+        for (size_t k = 0; k < a.size(); ++k) sum += double(a[k] - b[k]) * (a[k] - b[k]) / double(a.size());
+    }
+    return sum / double(line.fitted.size() - 1);
+}
+
+double meanError(const Model& model, const Line& line, const FitTools& tools) {
+    double sum = 0;
+    for (const FittedPoint& point : line.fitted) {
+        std::vector<uint8_t> blocked(size_t(tools.lattice.rays()));
+        for (size_t i = 0; i < blocked.size(); ++i) blocked[size_t(tools.lattice.byHeight[i])] = !(point.openBits[i / 64] >> i % 64 & 1);
+        const std::vector<float> seen = seenBy(model, point, tools, point.frame);
+        for (size_t k = 0; k < seen.size(); ++k) {
+            const double off = tools.lattice.directions()[k].z * (seen[k] - !blocked[k]);
+            sum += 3 * off * off / double(seen.size());
+        }
+    }
+    return sum / double(line.fitted.size());
+}
+
+TEST(Agree, NeighboursTakeTheSameLobesAndErrNoMore) {
+    const FitTools tools(1024, FitTools::Use::Fits);
+    for (const int id : {MODEL_FIRM_2, MODEL_FIRM_4, MODEL_SOFT_2, MODEL_MULTI_2, MODEL_CAP_ANTI}) {
+        const Model& model = models()[size_t(id)];
+        Line line(model, 40, tools);
+        // Every third point is given what another part of the room would have: lobes turned about the normal by a right angle.
+        const std::vector<FittedPoint> alone = line.fitted;
+        const mat3 turn = frameFromZ(line.points[0].normal, 1.5) * transpose(frameFromZ(line.points[0].normal, 0));
+        for (size_t i = 1; i < line.fitted.size(); i += 3)
+            line.fitted[i].baked.params = rotateParams(model, line.fitted[i].baked.params, turn);
+        const double before = disagreement(model, line, tools);
+        agree(model, tools, {}, line.fitted, line.neighbours, 1, {});
+        const double after = disagreement(model, line, tools), error = meanError(model, line, tools);
+        line.fitted = alone;
+        std::printf("%-8s disagreement %.5f -> %.5f, alone %.5f; error %.5f, alone %.5f\n", std::string(model.name).c_str(), before, after,
+                    disagreement(model, line, tools), error, meanError(model, line, tools));
+        EXPECT_LT(after, 0.2 * before) << model.name;
+        EXPECT_LT(after, 1.05 * disagreement(model, line, tools)) << model.name;
+        EXPECT_LT(error, 1.1 * meanError(model, line, tools) + 1e-4) << model.name;
+    }
+}
+
+TEST(Agree, APointWithoutNeighboursStaysAsItIs) {
+    const FitTools tools(256, FitTools::Use::Fits);
+    const Model& model = models()[MODEL_FIRM_2];
+    Line line(model, 4, tools);
+    const std::vector<FittedPoint> alone = line.fitted;
+    agree(model, tools, {}, line.fitted, Neighbours(4, {}), 1, {});
+    for (size_t i = 0; i < alone.size(); ++i) EXPECT_EQ(line.fitted[i].baked.params, alone[i].baked.params);
+    std::vector<FittedPoint> none;
+    agree(model, tools, {}, none, Neighbours(0, {}), 1, {});
+}
+
+TEST(Agree, AChoiceGivesWayToItsNeighboursForATwentieth) {
+    const FitTools tools(256);
+    const Model& model = models()[MODEL_AUTO];
+    FitOptions options{.tolerance = 0.05, .lambda = 400};
+    Line line(model, 24, tools, options);
+    const auto changes = [&] {
+        int count = 0;
+        for (size_t i = 1; i < line.fitted.size(); ++i)
+            count += &chosenModel(model, line.fitted[i].baked.params) != &chosenModel(model, line.fitted[i - 1].baked.params);
+        return count;
+    };
+    const int before = changes();
+    // One point in the middle of its like is given another model, which costs about the same or far more.
+    const Model& own = chosenModel(model, line.fitted[12].baked.params);
+    agree(model, tools, options, line.fitted, line.neighbours, 1, {});
+    EXPECT_LE(changes(), before);
+    std::vector<uint8_t> blocked(256);
+    for (size_t i = 0; i < blocked.size(); ++i)
+        blocked[size_t(tools.lattice.byHeight[i])] = !(line.fitted[12].openBits[i / 64] >> i % 64 & 1);
+    const Samples samples(tools.lattice, blocked);
+    for (const Candidate& candidate : candidates()) {
+        const BakedPoint kept = withModel(tools, samples, line.fitted[12].frame, options, line.fitted[12].baked, *candidate.model, 1e6);
+        EXPECT_EQ(&chosenModel(model, kept.params), candidate.model) << "at any price";
+        if (candidate.model == &own) continue;
+        const BakedPoint refused = withModel(tools, samples, line.fitted[12].frame, options, line.fitted[12].baked, *candidate.model, -1);
+        EXPECT_EQ(refused.params, line.fitted[12].baked.params) << "at none";
+    }
+}
+
+}  // namespace
+}  // namespace apertura::test
