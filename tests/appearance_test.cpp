@@ -117,6 +117,7 @@ TEST(Appearance, StoredPointsHaveNeighboursAcrossSplitVertices) {
 
 TEST(Appearance, OfAnAssetThatIsRight) {
     // Nothing blocks the ball's sky but itself, and a cap is just that: no model errs less from vertex to vertex than one that is exact.
+    if (kSanitized) GTEST_SKIP() << "minutes with sanitizers; the other tests run the same code";
     Scene scene = makeBuiltin("sphere-over-plane");
     const Tracer tracer(scene);
     Asset asset{scene, {}, {}};

@@ -129,7 +129,7 @@ def commands(rng, path, out):
     height = ["--terrain-rgb"] if path.stem == "rgb" else []
     if verb == "bake":
         model = rng.choice([[], ["--model", "firm-2"], ["--model", "auto"], ["--bits", "16"]])
-        at = rng.choice([[], ["--at", "vertices"]])
+        at = rng.choice([["--storage-tolerance", "0.2"], ["--at", "vertices"]])  # by default, seconds go to finding a tolerance
         return ["bake", path, "-o", out / "o.glb", "--rays", "8", *model, *at, *height]
     if verb == "info":
         return ["info", path, *rng.choice([[], ["--json"]])]
