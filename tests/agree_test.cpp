@@ -34,6 +34,13 @@ struct Line {
     Neighbours neighbours;
 };
 
+// The blocked directions of a lattice, from Samples::bits.
+std::vector<uint8_t> blockedOf(const SampleLattice& lattice, std::span<const uint64_t> bits) {
+    std::vector<uint8_t> out(lattice.byHeight.size());
+    for (size_t i = 0; i < out.size(); ++i) out[size_t(lattice.byHeight[i])] = !(bits[i / 64] >> i % 64 & 1);
+    return out;
+}
+
 // What the model lets through at a point in the directions of the first point's lattice.
 std::vector<float> seenBy(const Model& model, const FittedPoint& point, const FitTools& tools, const mat3& frame) {
     const ModelParams local = rotateParams(chosenModel(model, point.baked.params), point.baked.params, transpose(frame));
@@ -54,8 +61,7 @@ double disagreement(const Model& model, const Line& line, const FitTools& tools)
 double meanError(const Model& model, const Line& line, const FitTools& tools) {
     double sum = 0;
     for (const FittedPoint& point : line.fitted) {
-        std::vector<uint8_t> blocked(size_t(tools.lattice.rays()));
-        for (size_t i = 0; i < blocked.size(); ++i) blocked[size_t(tools.lattice.byHeight[i])] = !(point.openBits[i / 64] >> i % 64 & 1);
+        const std::vector<uint8_t> blocked = blockedOf(tools.lattice, point.openBits);
         const std::vector<float> seen = seenBy(model, point, tools, point.frame);
         for (size_t k = 0; k < seen.size(); ++k) {
             const double off = tools.lattice.directions()[k].z * (seen[k] - !blocked[k]);
@@ -87,6 +93,43 @@ TEST(Agree, NeighboursTakeTheSameLobesAndErrNoMore) {
     }
 }
 
+// A square opening has four sides, of which two lobes are any two: which ones, only neighbours can say.
+TEST(Agree, WhereLobesErrAlikeNeighboursDecide) {
+    const FitTools tools(1024, FitTools::Use::Fits);
+    const Model& model = models()[MODEL_FIRM_2];
+    const float half = 0.4f;
+    std::vector<uint64_t> bits(tools.lattice.wordWeight.size());
+    for (size_t i = 0; i < tools.lattice.byHeight.size(); ++i) {
+        const vec3 w = tools.lattice.directions()[size_t(tools.lattice.byHeight[i])];
+        if (std::abs(w.x) < half && std::abs(w.y) < half) bits[i / 64] |= uint64_t(1) << i % 64;
+    }
+    const std::vector<uint8_t> blocked = blockedOf(tools.lattice, bits);
+    const Samples samples(tools.lattice, blocked);
+    // The optimum next to the two sides that meet in the corner `towards`.
+    const auto across = [&](const vec2& towards) {
+        LobeFit start;
+        start.count = 2;
+        start.lobes[0] = kHardSharpness * vec4(-towards.x, 0, 0, half);
+        start.lobes[1] = kHardSharpness * vec4(0, -towards.y, 0, half);
+        LobeFitOptions options = lobeFormOf(model.id)->options;
+        options.steps = 60;
+        return FittedPoint{{{}, lobeFormOf(model.id)->toParams(improveLobes(samples, start, options))}, mat3(1), bits};
+    };
+    const FittedPoint x = across({1, 1}), y = across({-1, -1});
+    for (const auto& [middle, others] : {std::pair(x, y), std::pair(y, x)}) {
+        std::vector<FittedPoint> points(7, others);
+        points[0] = middle;
+        std::vector<std::pair<uint32_t, uint32_t>> edges;
+        for (uint32_t k = 1; k <= 6; ++k) edges.insert(edges.end(), {{0, k}, {k, k % 6 + 1}});
+        agree(model, tools, {}, points, Neighbours(points.size(), edges), 1, {});
+        const auto lets = [&](const FittedPoint& point) { return seenBy(model, point, tools, mat3(1)); };
+        const auto own = lets(points[0]), before = lets(middle), theirs = lets(others);
+        double kept = 0, taken = 0;
+        for (size_t i = 0; i < own.size(); ++i) kept += std::abs(own[i] - before[i]), taken += std::abs(own[i] - theirs[i]);
+        EXPECT_LT(taken, 0.2 * kept);
+    }
+}
+
 TEST(Agree, APointWithoutNeighboursStaysAsItIs) {
     const FitTools tools(256, FitTools::Use::Fits);
     const Model& model = models()[MODEL_FIRM_2];
@@ -114,9 +157,7 @@ TEST(Agree, AChoiceGivesWayToItsNeighboursForATwentieth) {
     const Model& own = chosenModel(model, line.fitted[12].baked.params);
     agree(model, tools, options, line.fitted, line.neighbours, 1, {});
     EXPECT_LE(changes(), before);
-    std::vector<uint8_t> blocked(256);
-    for (size_t i = 0; i < blocked.size(); ++i)
-        blocked[size_t(tools.lattice.byHeight[i])] = !(line.fitted[12].openBits[i / 64] >> i % 64 & 1);
+    const std::vector<uint8_t> blocked = blockedOf(tools.lattice, line.fitted[12].openBits);
     const Samples samples(tools.lattice, blocked);
     for (const Candidate& candidate : candidates()) {
         const BakedPoint kept = withModel(tools, samples, line.fitted[12].frame, options, line.fitted[12].baked, *candidate.model, 1e6);
