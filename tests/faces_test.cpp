@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
+#include <map>
 #include <set>
 
 #include "bake/fit/least_squares.h"
@@ -355,6 +356,36 @@ TEST(BakeScene, StoresWhatVerticesCannot) {
         for (size_t k = 0; k < faces.seen[i].faces.visibility.size(); ++k)
             ASSERT_EQ(faces.seen[i].faces.visibility[k].area, again.seen[i].faces.visibility[k].area);
     }
+}
+
+// Where fine samples end at coarse ones, the straight edge between them shows.
+TEST(BakeScene, FacesThatMeetSmoothlyAreSampledAlike) {
+    Scene scene = boxOnFloor();
+    Surface& floor = scene.surfaces[0];
+    floor = {};
+    addPanel(floor, {-5, 0, -5}, {0, 0, 10}, {10, 0, 0}, 2.5);
+    const Tracer tracer(scene);
+    BakeOptions options;
+    options.rays = 64;
+    const SeenOnFaces faces = bakeScene(scene, tracer, options)[0].faces;
+    const auto spacing = [&](size_t t) {
+        const auto c = cornersOf(scene, 0, int(t));
+        return std::sqrt(glm::length(glm::cross(c[1] - c[0], c[2] - c[0]))) / latticeSteps(std::max(1, faces.level(t)));
+    };
+    std::map<std::pair<uint32_t, uint32_t>, std::vector<size_t>> edges;
+    for (size_t t = 0; t < floor.triangles.size(); ++t)
+        for (size_t e = 0; e < 3; ++e) {
+            const uint32_t a = floor.triangles[t][e], b = floor.triangles[t][(e + 1) % 3];
+            edges[std::minmax(a, b)].push_back(t);
+        }
+    int compared = 0;
+    for (const auto& [edge, sides] : edges)
+        for (size_t s = 0; sides.size() == 2 && s < 2; ++s)
+            if (faces.level(sides[s]) > 1) {
+                EXPECT_LT(spacing(sides[1 - s]), 2.1 * spacing(sides[s])) << sides[1 - s] << " beside " << sides[s];
+                ++compared;
+            }
+    EXPECT_GT(compared, 20);
 }
 
 TEST(BakeScene, KeepsWithinItsBytes) {

@@ -13,7 +13,7 @@ struct Face {
     double area;  // m2
     bool leans;   // see SurfaceAt
     int level = 0;
-    float tie = 0;  // how strongly its neighbouring samples are drawn together
+    float tie = 0.03f;  // how strongly its neighbouring samples are drawn together, where a probe's weight is 1
     std::vector<Probe> probes, witnesses;
     SquaredErrors measured;  // the means at the witnesses that are not buried
     double error = 0;        // of both, with what its level errs taken into account
@@ -23,5 +23,11 @@ struct Face {
 
 // Samples that a face of a level has of its own.
 inline int samplesOn(int level) { return level ? latticeSize(latticeSteps(level)) : 0; }
+
+// Probes that a lattice is fitted to: about three times as many as it has samples of its own.
+inline size_t probesFor(int level) {
+    const int steps = latticeSteps(level);
+    return size_t(1.5 * (steps + 1) * (steps + 2));
+}
 
 }  // namespace apertura

@@ -24,6 +24,11 @@ Unknowns::Unknowns(const Scene& scene, size_t instance, std::vector<uint8_t> lev
     numberSamples();
 }
 
+int64_t Unknowns::across(size_t t, int e) const {
+    const uint32_t other = across_[3 * t + size_t(e)];
+    return other == kNone ? -1 : int64_t(other / 3);
+}
+
 std::vector<Term> Unknowns::sample(size_t t, int at) const {
     const int level = levels_[t], steps = latticeSteps(std::max(level, 1));
     if (level == 0) return {{vertexUnknowns_[surface_.triangles[t][size_t(at)]], 1.0f}};

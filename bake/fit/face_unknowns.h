@@ -16,6 +16,9 @@ public:
     size_t count() const { return count_; }
     uint32_t vertex(size_t v) const { return vertexUnknowns_[v]; }
 
+    // The triangle that one meets smoothly across its edge from corner e to the next, or -1.
+    int64_t across(size_t t, int e) const;
+
     // A sample of a triangle's lattice as a sum of unknowns; of level 0, a corner.
     std::vector<Term> sample(size_t t, int at) const;
 

@@ -30,6 +30,8 @@ struct FaceReport {
     size_t rays = 0;        // traced to decide and to bake them; not those of the vertices
 };
 
+struct FaceSet;
+
 // The triangles of a scene with their probes, and how finely each is to be sampled.
 class Faces {
 public:
@@ -57,8 +59,7 @@ public:
     const FaceReport& report() const;
 
 private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
+    std::unique_ptr<FaceSet> set_;
 };
 
 }  // namespace apertura

@@ -12,6 +12,11 @@ using Progress = std::function<bool(double)>;
 // Thrown where a Progress stopped the work.
 struct Cancelled {};
 
+// Reports the fraction done; throws Cancelled where the work is to stop.
+inline void throwIfStopped(const Progress& progress, double done) {
+    if (progress && !progress(done)) throw Cancelled{};
+}
+
 // The progress of a part of the work, from..to of the whole as fractions; `progress` must outlive it.
 inline Progress part(const Progress& progress, double from, double to) {
     if (!progress) return {};

@@ -1,0 +1,37 @@
+#pragma once
+// The equations that samples on faces are fitted by.
+#include <array>
+#include <span>
+
+#include "bake/fit/face.h"
+#include "bake/fit/face_unknowns.h"
+#include "bake/fit/least_squares.h"
+#include "runtime/asset/asset.h"
+
+namespace apertura {
+
+// A cell's samples, numbered as in their lattice, with their weights.
+std::array<Term, 3> termsOf(const LatticeCell& cell);
+
+// Calls tie(a, b) for the neighbours in a lattice.
+void forNeighbours(int steps, const auto& tie) {
+    for (int j = 0; j <= steps; ++j)
+        for (int i = 0; i <= steps - j; ++i) {
+            const int at = latticeRow(j, steps) + i;
+            if (i < steps - j) tie(at, at + 1), tie(at, latticeRow(j + 1, steps) + i);
+            if (i > 0 && j < steps) tie(at, latticeRow(j + 1, steps) + i - 1);
+        }
+}
+
+// What is fitted: vertices and samples, or vertices alone, as if no face had samples.
+enum class Fitted { All, Vertices };
+
+// `faces`: those of the instance.
+Unknowns unknownsOf(const Scene& scene, size_t instance, std::span<const Face> faces, Fitted what = Fitted::All);
+
+// Each probe of the faces says what mixing samples makes at its place; ties draw neighbours together. `seen`: what the vertices see, each a
+// value more.
+LeastSquares equationsOf(const Unknowns& unknowns, std::span<const Face> faces, const Surface& surface, std::span<const Visibility> seen,
+                         Fitted what = Fitted::All);
+
+}  // namespace apertura
