@@ -16,6 +16,7 @@ class GpuTest : public testing::Test {
 protected:
     void SetUp() override { gpu = std::make_unique<Gpu>(GpuOptions{.validate = true}); }
     void TearDown() override {
+        if (!gpu) return;  // there is no device, as the failure says
         for (const std::string& message : gpu->messages()) ADD_FAILURE() << message;
     }
     std::unique_ptr<Gpu> gpu;
@@ -223,7 +224,7 @@ TEST_F(GpuTest, FramesInFlightAreThoseDrawnOneByOne) {
         const auto* pixels = static_cast<const vec4*>(targets[size_t(i)].pixels());
         picture.pixels.assign(pixels, pixels + 96 * 96);
         const Picture expected = i < 2 ? alone.draw(views[i], soft) : alone.drawShadowMapped(views[i - 2]);
-        EXPECT_TRUE(halved(picture).pixels == expected.pixels) << i;
+        EXPECT_LT(differenceOf(halved(picture), expected), 1e-5) << i;  // a pipeline for one light may round otherwise
     }
     EXPECT_GT(differenceOf(alone.draw(views[0], soft), alone.draw(views[1], soft)), 1e-2);
 }

@@ -13,16 +13,6 @@
 
 namespace apertura {
 
-Picture halved(const Picture& picture) {
-    Picture out{picture.width / 2, picture.height / 2, {}};
-    for (int y = 0; y < out.height; ++y)
-        for (int x = 0; x < out.width; ++x) {
-            const glm::vec3* p = &picture.pixels[size_t(2 * y) * picture.width + 2 * x];
-            out.pixels.push_back(0.25f * (p[0] + p[1] + p[picture.width] + p[picture.width + 1]));
-        }
-    return out;
-}
-
 void writePicture(const std::string& path, const Picture& picture) {
     const std::string ending = std::filesystem::path(path).extension().string();
     const bool linear = ending == ".exr";

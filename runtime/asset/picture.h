@@ -12,7 +12,15 @@ struct Picture {
 };
 
 // The picture at half the width and height: each pixel is the mean of four. Both sides must be even.
-Picture halved(const Picture& picture);
+inline Picture halved(const Picture& picture) {
+    Picture out{picture.width / 2, picture.height / 2, {}};
+    for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x) {
+            const glm::vec3* p = &picture.pixels[size_t(2 * y) * picture.width + 2 * x];
+            out.pixels.push_back(0.25f * (p[0] + p[1] + p[picture.width] + p[picture.width + 1]));
+        }
+    return out;
+}
 
 // Writes .png (8 bits, sRGB curve, clamped to 0..1) or .exr (linear, half floats), whole or not at all. Throws Error
 // naming `path` if it has another ending or cannot be written.
