@@ -29,6 +29,7 @@ inline float shadowDepth(const ShadowDepths& map, ivec2 texel) { return map.at(t
 #include "shaders/lattice.glsl"
 #include "shaders/models.glsl"
 #include "shaders/soft_shadow.glsl"
+#include "shaders/texels.glsl"
 #include "shaders/visible.glsl"
 #undef APERTURA_CPP
 #undef APERTURA_SHADOW_MAP

@@ -201,7 +201,7 @@ TEST(FaceSamples, ComeBackFromTheFile) {
             // A second bake replaces the first.
             Scene again = back.scene;
             BakedVisibility plain;
-            for (const SeenByInstance& seen : asset.seen) plain.push_back({seen.visibility, {}, {}});
+            for (const SeenByInstance& seen : asset.seen) plain.push_back({seen.visibility, {}, {}, {}});
             writeAsset(folder / "b.glb", again, plain, {});
             EXPECT_LT(std::filesystem::file_size(folder / "b.glb"), std::filesystem::file_size(folder / "a.glb"));
             EXPECT_TRUE(readAsset(folder / "b.glb").seen[0].faces.levels.empty());
@@ -221,7 +221,7 @@ TEST(FaceSamples, OfFewFacesTakeFewBytes) {
     const Scene scene = makeBuiltin("statue");
     Asset asset{scene, {}, {}};
     const Surface& surface = scene.surfaces[0];
-    asset.seen.push_back({std::vector<Visibility>(surface.positions.size()), {}, {}});
+    asset.seen.push_back({std::vector<Visibility>(surface.positions.size()), {}, {}, {}});
     const size_t alone = visibilityBytes(asset);
     std::vector<uint8_t> levels(surface.triangles.size(), 0);
     levels[7] = 3, levels[90000] = 1, levels.back() = 2;
@@ -440,7 +440,7 @@ TEST(Seams, AreWhatSamplesOnTheTwoSidesDiffer) {
     scene.instances = {{0}};
     Asset asset{scene, {}, {}};
     const Visibility open{{0, float(pi), 0}, float(2 * pi)}, closed{glm::vec3(0), 0};
-    asset.seen.push_back({std::vector<Visibility>(4, open), {}, {}});
+    asset.seen.push_back({std::vector<Visibility>(4, open), {}, {}, {}});
     SeenOnFaces& faces = asset.seen[0].faces;
     faces.setLevels({2, 3}, false);
     const auto fill = [&](size_t from, size_t to, const Visibility& v) {

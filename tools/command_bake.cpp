@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "bake/fit/faces.h"
+#include "bake/fit/texels.h"
 #include "runtime/asset/asset.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
@@ -11,7 +12,8 @@
 namespace apertura {
 namespace {
 
-constexpr double kNearlyAll = 0.95;  // fraction of vertices without sky from which a warning is printed
+constexpr double kManyShared = 0.01;  // fraction of texels that two charts share, from which a warning is printed
+constexpr double kNearlyAll = 0.95;   // fraction of vertices without sky from which a warning is printed
 
 struct Arguments {
     std::string scene, out, model = "sh";
@@ -30,7 +32,7 @@ void run(const Arguments& a) {
     BakeInfo info;
     info.scene = a.scene.starts_with("builtin:") ? a.scene : std::filesystem::path(a.scene).filename().string();
     requireStorable(info, a.scene);
-    const Scene scene = loadScene(a.scene, a.map);
+    const Scene scene = loadScene(a.scene, a.map, a.bake.at == At::Texels ? Coordinates::Read : Coordinates::Ignore);
     info.version = APERTURA_VERSION;
     info.model = a.model;
     info.rays = a.bake.rays;
@@ -41,14 +43,15 @@ void run(const Arguments& a) {
     MeshIssues issues;
     AutoPlan plan{};
     FaceReport report;
+    TexelReport texels;
     {
         ProgressBar bar("baking");
         const Progress progress = bar.callback();
         const Tracer tracer(scene, progress);
         info.rayOffset = tracer.offset();
-        visibility = bakeScene(scene, tracer, a.bake, progress, &issues, &plan, &report);
+        visibility = bakeScene(scene, tracer, a.bake, progress, &issues, &plan, &report, &texels);
     }
-    info.at = a.bake.at == At::Faces ? "faces" : "vertices";
+    info.at = a.bake.at == At::Faces ? "faces" : a.bake.at == At::Texels ? "texels" : "vertices";
     info.unmetArea = report.unmet;
     if (a.model == "auto") {
         info.tolerance = a.bake.tolerance;
@@ -75,6 +78,16 @@ void run(const Arguments& a) {
             "(wanted: %.3g and %.3g)\n  %.3g times the rays of all vertices and samples were traced, to decide where those are\n",
             report.samples, little(report.error).c_str(), little(report.skyError).c_str(), report.tolerance, report.skyTolerance,
             double(report.rays + vertices * size_t(a.bake.rays)) / (double(vertices + report.samples) * a.bake.rays));
+    if (texels.images > 0) {
+        std::printf("  images of %d x %d texels: %zu, of whose texels %.3g %% are drawn\n", a.bake.texels, a.bake.texels, texels.images,
+                    100 * double(texels.drawn) / double(texels.texels));
+        if (texels.shared > kManyShared)
+            std::printf(
+                "  %.3g %% of those are read on two charts, which see what the other one does: more texels, or more room between charts, "
+                "would part "
+                "them\n",
+                100 * texels.shared);
+    }
     if (report.overfull)
         std::printf("  the vertices alone take more than --max-bytes %.10g\n", a.bake.maxBytes);
     else if (report.full)
@@ -141,9 +154,14 @@ void addBakeCommand(CLI::App& program) {
         ->check(CLI::IsMember({"numbers", "bytes", "cycles"}))
         ->type_name("numbers|bytes|cycles");
     command
-        .add_option("--at", a->at, "where to store it: vertices, or faces: samples on the faces too that these do not suffice for [faces]")
-        ->check(CLI::IsMember({"vertices", "faces"}))
-        ->type_name("vertices|faces");
+        .add_option("--at", a->at,
+                    "where to store it: vertices; faces: samples on the faces too that these do not suffice for; or texels: "
+                    "images over the second set of texture coordinates, else the first [faces]")
+        ->check(CLI::IsMember({"vertices", "faces", "texels"}))
+        ->type_name("vertices|faces|texels");
+    command.add_option("--texels", a->bake.texels, "of each image, across and down, with --at texels [256]")
+        ->check(CLI::Range(2, 8192))
+        ->type_name("N");
     command
         .add_option(
             "--storage-tolerance", a->bake.storageTolerance,
@@ -158,9 +176,10 @@ void addBakeCommand(CLI::App& program) {
     command.callback([a, &command] {
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
         if (command.count("--tolerance") > 0 && a->model != "auto") throw CLI::ValidationError("--tolerance is for --model auto");
-        if (a->at == "vertices" && (a->bake.storageTolerance > 0 || a->bake.maxBytes > 0))
+        if (command.count("--texels") > 0 && a->at != "texels") throw CLI::ValidationError("--texels is for --at texels");
+        if (!a->at.empty() && a->at != "faces" && (a->bake.storageTolerance > 0 || a->bake.maxBytes > 0))
             throw CLI::ValidationError("--storage-tolerance and --max-bytes are for --at faces");
-        a->bake.at = a->at == "vertices" ? At::Vertices : At::Faces;
+        a->bake.at = a->at == "vertices" ? At::Vertices : a->at == "texels" ? At::Texels : At::Faces;
         a->bake.bits = a->bits;
         a->bake.price = a->price == "bytes" ? Price::Bytes : a->price == "cycles" ? Price::Cycles : Price::Numbers;
         a->model = findRecipe(a->model)->name;

@@ -8,6 +8,7 @@
 #include "bake/fit/agree.h"
 #include "bake/fit/choose.h"
 #include "bake/fit/faces.h"
+#include "bake/fit/texels.h"
 #include "bake/sampling/progress.h"
 #include "bake/sampling/surface_points.h"
 #include "runtime/asset/error.h"
@@ -140,13 +141,19 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
 }
 
 BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress,
-                          MeshIssues* issues, AutoPlan* plan, FaceReport* report) {
+                          MeshIssues* issues, AutoPlan* plan, FaceReport* report, TexelReport* texels) {
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
     const Recipe& recipe = recipeNamed(options.recipe);
+    if (options.at == At::Texels) {
+        if (recipe.name != "sh")
+            throw Error("images hold the four numbers alone, which filter; bake sh, or " + std::string(recipe.name) + " at faces");
+        requireCharts(scene, options.texels);
+    }
     AutoPlan found{};
     const bool isFitted = recipe.name == "sh";  // by least squares
-    const Progress first = options.at == At::Faces || isFitted ? part(progress, 0, options.at == At::Faces ? 0.4 : 0.8) : progress;
+    const double share = options.at == At::Faces ? 0.4 : options.at == At::Texels ? 0.2 : 0.8;
+    const Progress first = options.at == At::Faces || isFitted ? part(progress, 0, share) : progress;
     BakedVisibility out = bakeVertices(scene, tracer, options, first, issues, &found);
     if (plan) *plan = found;
     if (options.at == At::Vertices && !isFitted) return out;
@@ -154,13 +161,18 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     const Solids solids(scene, tracer);
     const Prober prober(scene, source, solids, options.rays, options.seed);
     const FitOptions fitOptions{options.tolerance, found.lambda, options.price, scene.isTerrain};
-    const Progress probing = options.at == At::Faces ? part(progress, 0.4, 0.5) : part(progress, 0.8, 1);
-    Faces faces(scene, prober, out, options.at, options.seed, probing);
+    const Progress probing = options.at == At::Faces ? part(progress, 0.4, 0.5) : part(progress, share, options.at == At::Texels ? 0.4 : 1);
+    Faces faces(scene, prober, out, options.at == At::Texels ? At::Vertices : options.at, options.seed, probing);
     if (issues && options.at == At::Faces) issues->large = 0;  // samples on them hold what their vertices cannot
     if (faces.empty()) return out;
-    if (options.at == At::Vertices) {
+    if (options.at != At::Faces) {
+        out = faces.fit();
+        if (options.at == At::Texels) {
+            const TexelReport done = bakeTexels(scene, prober, options.texels, out, part(progress, 0.4, 1));
+            if (texels) *texels = done;
+        }
         if (report) report->rays = prober.rays();
-        return faces.fit();
+        return out;
     }
     FaceOptions wanted;
     wanted.tolerance = wanted.skyTolerance = options.storageTolerance;

@@ -11,8 +11,8 @@
 
 namespace apertura {
 
-// Where visibility is stored: at vertices alone, or on faces too, as finely as each one needs.
-enum class At { Vertices, Faces };
+// Where visibility is stored: at vertices alone; on faces too, as finely as each one needs; or in images over texture coordinates too.
+enum class At { Vertices, Faces, Texels };
 
 struct BakeOptions {
     std::string_view recipe = "sh";  // a name of recipes()
@@ -30,9 +30,11 @@ struct BakeOptions {
                                   // half of what the model errs, and .012
     double maxBytes = 0;          // of all visibility; 0: no limit
     int bits = 8;                 // that a number will be stored in, for what a sample takes
+    int texels = 256;             // At::Texels: of each image, across and down
 };
 
-struct FaceReport;  // bake/fit/faces.h
+struct FaceReport;   // bake/fit/faces.h
+struct TexelReport;  // bake/fit/texels.h
 
 // What `auto` needs to know of a scene before it chooses.
 struct AutoPlan {
@@ -58,9 +60,10 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
                              MeshIssues* issues = nullptr, AutoPlan* plan = nullptr);
 
 // Bakes vertices and, where options.at asks for them, samples on faces. The four numbers of the recipe "sh" are fitted to points all over
-// the faces: Kavan, Bargteil & Sloan, "Least Squares Vertex Baking", 2011. The result does not depend on the number of threads. Throws
-// Cancelled.
+// the faces, and images hold these alone: Kavan, Bargteil & Sloan, "Least Squares Vertex Baking", 2011. The result does not depend on the
+// number of threads. Throws Cancelled, and Error where images are wanted that the scene's texture coordinates or the recipe do not allow.
 BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress = {},
-                          MeshIssues* issues = nullptr, AutoPlan* plan = nullptr, FaceReport* report = nullptr);
+                          MeshIssues* issues = nullptr, AutoPlan* plan = nullptr, FaceReport* report = nullptr,
+                          TexelReport* texels = nullptr);
 
 }  // namespace apertura

@@ -26,6 +26,9 @@ public:
     // Draws two unknowns towards each other.
     void tie(uint32_t a, uint32_t b, float weight);
 
+    // Draws a sum of unknowns towards nothing. No unknown may be in `terms` twice.
+    void close(std::span<const Term> terms, float weight) { add(terms, glm::vec4(0), weight, true); }
+
     // The results are possible visibilities, and no nearer to a cap (capness) than the mean of what was seen about them. Unknowns without
     // an equation are closed.
     std::vector<Visibility> solve();

@@ -27,13 +27,13 @@ bool isHeightMap(const std::string& path) {
     return !path.starts_with(kBuiltinPrefix) && maps.contains(endingOf(path));
 }
 
-Scene loadScene(const std::string& name, const HeightMapOptions& options) {
+Scene loadScene(const std::string& name, const HeightMapOptions& options, Coordinates coordinates) {
     if (name.starts_with(kBuiltinPrefix)) return makeBuiltin(name.substr(kBuiltinPrefix.size()));
     requireOrdinaryFile(name);
     const std::string ending = endingOf(name);
     static const std::set<std::string> meshes{".obj", ".ply", ".stl"};
     if (ending == ".glb" || ending == ".gltf") return readGltf(name);
-    if (meshes.contains(ending)) return loadMeshFile(name);
+    if (meshes.contains(ending)) return loadMeshFile(name, coordinates);
     if (isHeightMap(name)) return loadHeightMap(name, options);
     throw Error(name + ": unknown kind of file; scenes are .glb .gltf .obj .ply .stl, height maps .png .tif .exr, or "
                        "builtin:NAME");

@@ -15,17 +15,20 @@ struct HeightMapOptions {
     bool terrainRgb = false;            // the height is -10000 + 0.1 (65536 R + 256 G + B) metres
 };
 
+// Whether texture coordinates are read from meshes of other kinds than glTF, whose vertices they split.
+enum class Coordinates { Ignore, Read };
+
 // Reads a scene and checks it with validate().
 //   name     a path (.glb .gltf .obj .ply .stl, or a height map .png .tif .tiff .exr) or builtin:NAME
 //   options  for height maps alone
 // Throws Error that names `name` and the cause.
-Scene loadScene(const std::string& name, const HeightMapOptions& options = {});
+Scene loadScene(const std::string& name, const HeightMapOptions& options = {}, Coordinates coordinates = Coordinates::Ignore);
 
 // True if loadScene reads the path as a height map. Its ending decides, in upper or lower case.
 bool isHeightMap(const std::string& path);
 
 // loadScene calls one of these for each kind. They throw as it does.
-Scene loadMeshFile(const std::string& path);                                    // .obj .ply .stl, by assimp
+Scene loadMeshFile(const std::string& path, Coordinates coordinates);           // .obj .ply .stl, by assimp
 Scene loadHeightMap(const std::string& path, const HeightMapOptions& options);  // by OpenImageIO
 Scene makeBuiltin(const std::string& name);                                     // one of builtinNames
 

@@ -36,14 +36,15 @@ private:
 };
 
 // Sends the instances, then the positions, normals and triangles of each surface.
-void read(const std::string& path, PipeWriter& pipe) {
+void read(const std::string& path, Coordinates coordinates, PipeWriter& pipe) {
     Assimp::Importer importer;
     importer.SetIOHandler(new OneFile(path));  // the importer deletes it
     // Degrees. If the file has no normals, vertices are split at edges that bend by more than this.
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 60.0f);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_TEXCOORDS | aiComponent_COLORS | aiComponent_TANGENTS_AND_BITANGENTS
-                                                            | aiComponent_MATERIALS | aiComponent_TEXTURES);
+    importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, (coordinates == Coordinates::Read ? 0u : unsigned(aiComponent_TEXCOORDS)) | aiComponent_COLORS
+                                                            | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_MATERIALS
+                                                            | aiComponent_TEXTURES);
     // Positions are checked before post-processing, which could merge or drop the broken ones.
     const aiScene* scene = importer.ReadFile(path, 0);
     auto fail = [&] {
@@ -71,6 +72,8 @@ void read(const std::string& path, PipeWriter& pipe) {
             glm::vec3 n(0);
             if (mesh.mNormals) n = {mesh.mNormals[v].x, mesh.mNormals[v].y, mesh.mNormals[v].z};
             const float length = glm::length(n);
+            if (coordinates == Coordinates::Read && mesh.HasTextureCoords(0))
+                surface.coordinates.emplace_back(mesh.mTextureCoords[0][v].x, 1 - mesh.mTextureCoords[0][v].y);
             surface.normals.push_back(length > 1e-12f && std::isfinite(length) ? n / length : glm::vec3(0, 1, 0));
         }
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
@@ -80,12 +83,13 @@ void read(const std::string& path, PipeWriter& pipe) {
         pipe.put(surface.positions);
         pipe.put(surface.normals);
         pipe.put(surface.triangles);
+        pipe.put(surface.coordinates);
     }
 }
 
 }  // namespace
 
-Scene loadMeshFile(const std::string& path) {
+Scene loadMeshFile(const std::string& path, Coordinates coordinates) {
     Scene scene;
     scene.name = path;
     const auto receive = [&](PipeReader& pipe) {
@@ -99,11 +103,12 @@ Scene loadMeshFile(const std::string& path) {
             surface.positions = pipe.take<glm::vec3>();
             surface.normals = pipe.take<glm::vec3>();
             surface.triangles = pipe.take<std::array<uint32_t, 3>>();
+            surface.coordinates = pipe.take<glm::vec2>();
             scene.surfaces.push_back(std::move(surface));
         }
     };
     runIsolated(
-        path, limitsFor(path, 5), [&](PipeWriter& out) { read(path, out); }, receive);
+        path, limitsFor(path, 5), [&](PipeWriter& out) { read(path, coordinates, out); }, receive);
     validate(scene);
     return scene;
 }

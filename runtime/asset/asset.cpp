@@ -10,6 +10,7 @@
 #include "runtime/asset/gltf.h"
 #include "runtime/asset/gltf_writer.h"
 #include "runtime/asset/params_stream.h"
+#include "runtime/asset/texels.h"
 #include "sh/packing.h"
 
 namespace apertura {
@@ -73,6 +74,10 @@ void addScene(GltfWriter& writer, Scene& scene) {
         primitive["attributes"]["POSITION"] = addVectors(writer, surface.positions,
                                                          {{"min", numbers(box.low)}, {"max", numbers(box.high)}});
         primitive["attributes"]["NORMAL"] = addVectors(writer, surface.normals);
+        if (!surface.coordinates.empty())
+            primitive["attributes"]["TEXCOORD_0"] = writer.addAccessor(
+                {{"componentType", kFloat}, {"type", "VEC2"}, {"count", surface.coordinates.size()}}, bytesOf(surface.coordinates),
+                kArrayBuffer);
         primitive["indices"] = addIndices(writer, surface);
         primitive["mode"] = kTriangles;
         json["meshes"].push_back({{"primitives", Json::array({primitive})}});
@@ -128,6 +133,7 @@ void removeBaked(GltfWriter& writer) {
                 && entry["bufferView"] < listOf(json, "bufferViews").size())
                 views.insert(entry["bufferView"].get<size_t>());
         json["asset"]["extras"]["apertura"].erase("forms");
+        views.merge(removeTexels(json));
     }
     accessors.merge(removeFaces(json));
     writer.release(accessors, views);
@@ -252,7 +258,7 @@ BakeInfo readInfo(const Json& said, const std::string& name) {
     info.hemisphere = text("hemisphere");
     info.tolerance = number("tolerance", 0);
     info.price = text("price");
-    info.at = text("at") == "faces" ? "faces" : "vertices";
+    info.at = text("at") == "faces" || text("at") == "texels" ? text("at") : "vertices";
     info.unmetArea = number("unmetArea", 0);
     info.alone = text("alone");
     return info;
@@ -319,6 +325,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     if (asset.contains("extras") && !asset["extras"].is_object()) asset["extras"] = {{"input", asset["extras"]}};
     if (stored) description["forms"] = allParams;
     if (Json faces = addFaces(writer, scene, visibility, stored, info.bits); !faces.is_null()) description["faces"] = std::move(faces);
+    if (Json texels = addTexels(writer, scene, visibility, info.bits); !texels.is_null()) description["texels"] = std::move(texels);
     asset["extras"]["apertura"] = description;
     writer.release(replaced);
     writer.write(path, file.name());
@@ -368,7 +375,7 @@ Asset toAsset(Scene scene) {
             points.push_back(unpack(stores.back()));
             points.back().direction = rotation * points.back().direction;
         }
-        asset.seen.push_back({std::move(points), {}, {}});
+        asset.seen.push_back({std::move(points), {}, {}, {}});
         SeenByInstance& seen = asset.seen.back();
         if (stored) {
             const auto stream = streams.find({mesh, size_t(instance.primitive)});
@@ -390,6 +397,7 @@ Asset toAsset(Scene scene) {
     }
     asset.scene = std::move(scene);
     readFaces(asset, described, atVertices);
+    readTexels(asset, described);
     return asset;
 }
 
@@ -402,6 +410,10 @@ const Model* storedModel(const BakeInfo& info) {
 
 bool hasSamplesOnFaces(const Asset& asset) {
     return std::any_of(asset.seen.begin(), asset.seen.end(), [](const SeenByInstance& seen) { return !seen.faces.visibility.empty(); });
+}
+
+bool hasTexels(const Asset& asset) {
+    return std::any_of(asset.seen.begin(), asset.seen.end(), [](const SeenByInstance& seen) { return !seen.texels.visibility.empty(); });
 }
 
 double bytesAPoint(const Asset& asset) {
@@ -421,7 +433,7 @@ size_t visibilityBytes(const Asset& asset) {
     const Model* stored = storedModel(asset.info);
     size_t out = bytesOfFaces(asset.scene, asset.seen, stored, asset.info.bits);
     for (const SeenByInstance& seen : asset.seen) {
-        out += seen.visibility.size() * size_t(asset.info.bits / 2);
+        out += (seen.visibility.size() + seen.texels.visibility.size()) * size_t(asset.info.bits / 2);
         for (const ModelParams& params : seen.allParams)
             out += size_t(storedNumbers(chosenModel(*stored, params)) * asset.info.bits / 8 + (stored->kind == ModelKind::Choice));
     }

@@ -23,7 +23,7 @@ struct BakeInfo {
     double maxDistance = 0;  // metres beyond which nothing blocks; 0: no limit
     double rayOffset = 0;    // the most metres that rays start above the surface
     std::string hemisphere = "vertex normal";
-    std::string at = "vertices";  // where visibility is stored: vertices, or faces too
+    std::string at = "vertices";  // where visibility is stored: vertices, or faces too, or texels too
     double unmetArea = 0;         // faces: fraction of the area that errs more than was asked for
 };
 
@@ -40,11 +40,20 @@ struct SeenOnFaces {
     void setLevels(std::vector<uint8_t> all, bool withParams);
 };
 
+// Visibility of one instance in an image over its texture coordinates, row after row from the top: see shaders/texels.glsl. Its gutters are
+// filled.
+struct SeenOnTexels {
+    int width = 0, height = 0;
+    std::vector<Visibility> visibility;  // one per texel; empty: there is no image
+    std::vector<glm::vec3> normals;      // unit, world: about which each looks. They are not stored: setTexelNormals
+};
+
 // Visibility of one instance, with directions in world space.
 struct SeenByInstance {
     std::vector<Visibility> visibility;  // one per position
     std::vector<ModelParams> allParams;  // one per position if a model is stored beside visibility; else empty
     SeenOnFaces faces;
+    SeenOnTexels texels;  // where there are some, they are what is drawn
 };
 using BakedVisibility = std::vector<SeenByInstance>;  // one per instance of the scene
 
@@ -58,6 +67,7 @@ struct Asset {
 const Model* storedModel(const BakeInfo& info);
 
 bool hasSamplesOnFaces(const Asset& asset);
+bool hasTexels(const Asset& asset);
 
 // Mean bytes per vertex, and per sample on a face: the four numbers and what is stored beside them.
 double bytesAPoint(const Asset& asset);

@@ -101,6 +101,14 @@ Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
         for (size_t i = 0; i < indices.size(); ++i) indices[i] = uint32_t(i);
     }
     surface.triangles = triangulate(indices, mode);
+    for (const int set : {1, 0}) {
+        const auto found = attributes.find("TEXCOORD_" + std::to_string(set));
+        if (found == attributes.end()) continue;
+        const std::vector<float> values = readAccessor(document, found->get<size_t>(), 2);
+        for (size_t v = 0; v + 1 < values.size(); v += 2) surface.coordinates.emplace_back(values[v], values[v + 1]);
+        surface.coordinateSet = set;
+        break;
+    }
     for (const auto& triangle : surface.triangles)
         for (uint32_t index : triangle)
             if (index >= surface.positions.size())

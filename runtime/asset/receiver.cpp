@@ -1,6 +1,7 @@
 #include "runtime/asset/receiver.h"
 
 #include "runtime/asset/faces.h"
+#include "runtime/asset/texels.h"
 #include "sh/shading.h"
 
 namespace apertura {
@@ -23,7 +24,14 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
         for (size_t k = 0; k < MAX_SLOTS; ++k) mix[k] += weight * params[k];
         corners.emplace_back(weight, toReceiver(own, params, normal));
     };
-    if (const int level = seen.faces.level(size_t(triangle)); level > 0) {
+    if (!seen.texels.visibility.empty()) {
+        const TexelCell cell = texelCell(surface, size_t(triangle), barycentrics, seen.texels.width, seen.texels.height);
+        static const std::vector<ModelParams> none;
+        for (int c = 0; c < 4; ++c) {
+            const auto at = size_t(cell.texels[c]);
+            add(cell.weights[c], seen.texels.visibility[at], none, 0, seen.texels.normals[at]);
+        }
+    } else if (const int level = seen.faces.level(size_t(triangle)); level > 0) {
         const LatticeCell cell = latticeCell(barycentrics, latticeSteps(level));
         for (int c = 0; c < 3; ++c) {
             const size_t at = seen.faces.first[size_t(triangle)] + size_t(cell.samples[c]);

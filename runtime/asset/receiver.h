@@ -1,6 +1,6 @@
 #pragma once
-// Visibility at a point of a surface, interpolated from the vertices, or from the samples of its face, as shaders/scene.frag does for a
-// pixel.
+// Visibility at a point of a surface, interpolated from the vertices, the samples of its face or the texels about it, as shaders/scene.frag
+// does for a pixel.
 #include <glm/glm.hpp>
 #include <utility>
 #include <vector>
@@ -11,7 +11,7 @@
 namespace apertura {
 
 // Receivers and weights, which sum to 1: the light of the point is the weighted sum of theirs. One receiver if the model's
-// parameters may be interpolated, otherwise those of the triangle's three corners.
+// parameters may be interpolated, otherwise those of the triangle's three corners or of four texels.
 using WeightedReceivers = std::vector<std::pair<float, Receiver>>;
 
 // The receivers at a point of a triangle.

@@ -159,6 +159,8 @@ void makeFlat(Surface& surface) {
     };
     std::unordered_map<Part, uint32_t, decltype(hash)> parts(surface.positions.size(), hash);
     const std::vector<glm::vec3> given = std::move(surface.positions);
+    const std::vector<glm::vec2> coordinates = std::move(surface.coordinates);
+    surface.coordinates.clear();
     std::vector<uint32_t> any(given.size(), UINT32_MAX);
     surface.positions.clear();
     surface.normals.clear();
@@ -169,6 +171,7 @@ void makeFlat(Surface& surface) {
                                                      uint32_t(surface.positions.size()));
         if (fresh) {
             surface.positions.push_back(given[from]);
+            if (!coordinates.empty()) surface.coordinates.push_back(coordinates[from]);
             surface.normals.emplace_back(normal);
             surface.splitFrom.push_back(from);
         }
@@ -190,7 +193,8 @@ void makeFlat(Surface& surface) {
 }
 
 double memoryOf(const Surface& surface) {
-    return double(surface.positions.size()) * sizeof(glm::vec3) * 2 + double(surface.triangles.size()) * sizeof(surface.triangles[0]);
+    return double(surface.positions.size()) * sizeof(glm::vec3) * 2 + double(surface.coordinates.size()) * sizeof(glm::vec2)
+         + double(surface.triangles.size()) * sizeof(surface.triangles[0]);
 }
 
 void requireMemory(const std::string& name, const std::string& what, double bytes) {

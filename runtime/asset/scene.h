@@ -17,9 +17,11 @@ struct Surface {
     std::vector<glm::vec3> positions;  // metres
     std::vector<glm::vec3> normals;    // unit, one per position
     std::vector<std::array<uint32_t, 3>> triangles;
-    bool normalsMade = false;         // computed here: the file has no normals, or its compressed ones are not unit
-    std::vector<uint32_t> splitFrom;  // if vertices were split: the file's vertex that each came from; else empty
-    bool twoSided = false;            // its material is visible from both sides
+    std::vector<glm::vec2> coordinates;  // of textures, one per position, v downwards, as the file has them; empty: it has none
+    int coordinateSet = 0;               // which of the file's: TEXCOORD_1 where there is one, else TEXCOORD_0
+    bool normalsMade = false;            // computed here: the file has no normals, or its compressed ones are not unit
+    std::vector<uint32_t> splitFrom;     // if vertices were split: the file's vertex that each came from; else empty
+    bool twoSided = false;               // its material is visible from both sides
 };
 
 struct Instance {

@@ -1,0 +1,208 @@
+#include "bake/fit/texels.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/fit/face_unknowns.h"
+#include "bake/fit/least_squares.h"
+#include "bake/sampling/classes.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/texels.h"
+
+namespace apertura {
+namespace {
+
+constexpr double kProbesATexel = 3;
+constexpr double kFewestProbes = 2;     // of a triangle
+constexpr float kTie = 0.03f;           // how strongly neighbouring texels of a chart are drawn together, where a probe's weight is 1
+constexpr float kStitch = 4;            // and the two sides of an edge where charts meet, at each of the points along it
+constexpr double kStitches = 2;         // points along such an edge, a texel
+constexpr double kMostOverlap = 0.001;  // of what the triangles cover
+constexpr float kSame = 1e-6f;          // texture coordinates that are the same
+
+struct Texels {
+    const Scene& scene;
+    size_t instance;
+    int side;
+    const Surface& surface;
+    TexelMap map;
+    std::vector<uint32_t> charts;  // of each triangle, a number
+
+    Texels(const Scene& scene_, size_t instance_, int side_)
+        : scene(scene_),
+          instance(instance_),
+          side(side_),
+          surface(scene_.surfaces[size_t(scene_.instances[instance_].surface)]),
+          map(mapTexels(surface, side_, side_)) {
+        Classes classes(surface.positions.size());
+        for (const auto& t : surface.triangles)
+            for (size_t c = 1; c < 3; ++c) classes.join(t[0], t[c]);
+        for (const auto& t : surface.triangles) charts.push_back(classes.find(t[0]));
+    }
+
+    // In texels.
+    double areaOf(size_t t) const {
+        const auto& c = surface.triangles[t];
+        const glm::dvec2 a = surface.coordinates[c[1]] - surface.coordinates[c[0]],
+                         b = surface.coordinates[c[2]] - surface.coordinates[c[0]];
+        return 0.5 * std::abs(a.x * b.y - a.y * b.x) * side * side;
+    }
+    size_t probesOn(size_t t) const { return size_t(std::ceil(std::max(kFewestProbes, kProbesATexel * areaOf(t)))); }
+};
+
+// Adds `weight` times the texels about a point of a triangle.
+void addPoint(std::vector<Term>& terms, const Surface& surface, size_t t, const glm::vec3& barycentrics, int side, float weight) {
+    const TexelCell cell = texelCell(surface, t, barycentrics, side, side);
+    for (int c = 0; c < 4; ++c) {
+        const auto texel = uint32_t(cell.texels[c]);
+        const auto found = std::find_if(terms.begin(), terms.end(), [&](const Term& term) { return term.first == texel; });
+        if (found == terms.end())
+            terms.emplace_back(texel, weight * cell.weights[c]);
+        else
+            found->second += weight * cell.weights[c];
+    }
+}
+
+glm::vec3 along(int e, float s) {
+    glm::vec3 out(0);
+    out[e] = 1 - s, out[(e + 1) % 3] = s;
+    return out;
+}
+
+// Where two triangles meet smoothly on the surface and not in the image, the two sides of their edge are to be the same.
+void stitch(LeastSquares& equations, const Texels& texels) {
+    const Surface& surface = texels.surface;
+    std::vector<bool> leans;
+    for (size_t t = 0; t < surface.triangles.size(); ++t)
+        leans.push_back(surfaceAt(texels.scene, int(texels.instance), int(t), glm::vec3(1 / 3.0f)).leans);
+    const Unknowns unknowns(texels.scene, texels.instance, std::vector<uint8_t>(surface.triangles.size(), 0), leans);
+    for (size_t t = 0; t < surface.triangles.size(); ++t)
+        for (int e = 0; e < 3; ++e) {
+            const int64_t other = unknowns.across(t, e);
+            if (other < int64_t(t)) continue;
+            // The other triangle's edge between the same two places.
+            const auto place = [&](size_t triangle, int corner) {
+                return surface.positions[surface.triangles[triangle][size_t(corner % 3)]];
+            };
+            for (int f = 0; f < 3; ++f) {
+                const bool backwards = place(size_t(other), f) == place(t, e + 1) && place(size_t(other), f + 1) == place(t, e);
+                const bool forwards = place(size_t(other), f) == place(t, e) && place(size_t(other), f + 1) == place(t, e + 1);
+                if (!backwards && !forwards) continue;
+                const auto here = [&](float s) { return along(e, s); };
+                const auto there = [&](float s) { return along(f, backwards ? 1 - s : s); };
+                const auto apart = [&](float s) {
+                    return glm::distance(coordinatesAt(surface, t, here(s)), coordinatesAt(surface, size_t(other), there(s)));
+                };
+                if (apart(0) < kSame && apart(1) < kSame) break;
+                const float length = glm::distance(coordinatesAt(surface, t, here(0)), coordinatesAt(surface, t, here(1)))
+                                   * float(texels.side);
+                const int points = int(std::ceil(kStitches * length)) + 1;
+                for (int k = 0; k <= points; ++k) {
+                    const float s = float(k) / float(points);
+                    std::vector<Term> terms;
+                    addPoint(terms, surface, t, here(s), texels.side, 1);
+                    addPoint(terms, surface, size_t(other), there(s), texels.side, -1);
+                    equations.close(terms, kStitch);
+                }
+                break;
+            }
+        }
+}
+
+}  // namespace
+
+void requireCharts(const Scene& scene, int side) {
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        const Surface& surface = scene.surfaces[size_t(instance.surface)];
+        const std::string where = scene.name + ": mesh " + std::to_string(instance.surface);
+        if (surface.coordinates.size() != surface.positions.size())
+            throw Error(where + " has no texture coordinates, over which an image could lie");
+        requireMappable(surface, side, side, where);
+        // Points of a grid, each strictly inside of how many triangles.
+        const int n = 2 * side;
+        std::vector<uint8_t> inside(size_t(n) * size_t(n), 0);
+        for (const auto& t : surface.triangles) {
+            const glm::dvec2 a = glm::dvec2(surface.coordinates[t[0]]) * double(n), b = glm::dvec2(surface.coordinates[t[1]]) * double(n),
+                             c = glm::dvec2(surface.coordinates[t[2]]) * double(n);
+            const auto cross = [](const glm::dvec2& u, const glm::dvec2& v) { return u.x * v.y - u.y * v.x; };
+            const double area = cross(b - a, c - a);
+            if (area == 0) continue;
+            const auto first = [](double x) { return std::max(0, int(std::floor(x - 0.5))); };
+            const auto last = [&](double x) { return std::min(n - 1, int(std::ceil(x))); };
+            for (int y = first(std::min({a.y, b.y, c.y})); y <= last(std::max({a.y, b.y, c.y})); ++y)
+                for (int x = first(std::min({a.x, b.x, c.x})); x <= last(std::max({a.x, b.x, c.x})); ++x) {
+                    const glm::dvec2 p(x + 0.5, y + 0.5);
+                    if (std::min({cross(c - b, p - b) / area, cross(a - c, p - c) / area, cross(b - a, p - a) / area}) <= 1e-6) continue;
+                    uint8_t& count = inside[size_t(y) * size_t(n) + size_t(x)];
+                    count = uint8_t(std::min(count + 1, 2));
+                }
+        }
+        const auto once = double(inside.size() - size_t(std::count(inside.begin(), inside.end(), 0)));
+        const auto twice = double(std::count(inside.begin(), inside.end(), 2));
+        if (twice > kMostOverlap * once) {
+            char share[32];
+            std::snprintf(share, sizeof share, "%.3g", 100 * twice / once);
+            throw Error(where + ": " + share
+                        + " % of what its triangles cover in the image is covered twice; each needs a place of its own");
+        }
+    }
+}
+
+TexelReport bakeTexels(const Scene& scene, const Prober& prober, int side, BakedVisibility& out, const Progress& progress) {
+    TexelReport report;
+    size_t triangles = 0;
+    double shared = 0;
+    for (const Instance& instance : scene.instances) triangles += scene.surfaces[size_t(instance.surface)].triangles.size();
+    ProgressCounter counter(progress, std::max<size_t>(triangles, 1));
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Texels texels(scene, i, side);
+        const Surface& surface = texels.surface;
+        std::vector<std::vector<Probe>> probes(surface.triangles.size());
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, probes.size(), 16), [&](const tbb::blocked_range<size_t>& range) {
+            if (counter.stopped()) return;
+            for (size_t t = range.begin(); t < range.end(); ++t)
+                for (size_t k = 0, n = texels.probesOn(t); k < n; ++k) probes[t].push_back(prober.probe(i, t, k));
+            counter.add(range.size());
+        });
+        counter.throwIfStopped();
+        const TexelMap& map = texels.map;
+        LeastSquares equations(map.texels.size());
+        std::vector<uint32_t> chartOf(map.texels.size(), UINT32_MAX);
+        std::vector<bool> isShared(map.texels.size(), false);
+        for (size_t t = 0; t < probes.size(); ++t)
+            for (const Probe& probe : probes[t]) {
+                std::vector<Term> terms;
+                addPoint(terms, surface, t, probe.weights, side, 1);
+                for (const Term& term : terms) {
+                    uint32_t& chart = chartOf[term.first];
+                    isShared[term.first] = isShared[term.first] || (chart != UINT32_MAX && chart != texels.charts[t]);
+                    chart = texels.charts[t];
+                }
+                if (!probe.buried) equations.add(terms, probe.mean());
+            }
+        const auto chart = [&](size_t at) { return texels.charts[size_t(map.texels[at].triangle)]; };
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x) {
+                const auto at = uint32_t(y * side + x);
+                for (const auto& [inside, next] : {std::pair(x + 1 < side, at + 1), {y + 1 < side, at + uint32_t(side)}})
+                    if (inside && map.isDrawn[at] && map.isDrawn[next] && chart(at) == chart(next)) equations.tie(at, next, kTie);
+            }
+        stitch(equations, texels);
+        const std::vector<Visibility> fitted = equations.solve();
+        SeenOnTexels& seen = out[i].texels;
+        seen = {side, side, {}, {}};
+        for (const uint32_t from : map.from) seen.visibility.push_back(fitted[from]);
+        setTexelNormals(scene, i, map, seen);
+        ++report.images;
+        report.texels += map.texels.size();
+        report.drawn += map.drawn();
+        shared += double(std::count(isShared.begin(), isShared.end(), true));
+    }
+    report.shared = shared / std::max(double(report.drawn), 1.0);
+    return report;
+}
+
+}  // namespace apertura

@@ -1,0 +1,261 @@
+#include "runtime/asset/texels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <map>
+
+#include "runtime/asset/png.h"
+#include "sh/packing.h"
+
+namespace apertura {
+namespace {
+
+constexpr double kMostCover = 256;    // times an image's area that the boxes about its triangles may have together
+const char* const kEntry = "texels";  // of asset.extras.apertura
+
+using Corners = std::array<glm::dvec2, 3>;
+
+double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
+// The weights of the triangle's point that is nearest to `p`. Defined for triangles without area.
+glm::dvec3 nearestTo(const Corners& c, const glm::dvec2& p) {
+    const double area = cross(c[1] - c[0], c[2] - c[0]);
+    if (area != 0) {
+        const glm::dvec3 w{cross(c[2] - c[1], p - c[1]) / area, cross(c[0] - c[2], p - c[2]) / area, cross(c[1] - c[0], p - c[0]) / area};
+        if (std::min({w.x, w.y, w.z}) >= 0) return w;
+    }
+    glm::dvec3 best(1, 0, 0);
+    double least = HUGE_VAL;
+    for (int e = 0; e < 3; ++e) {
+        const glm::dvec2 from = c[size_t(e)], along = c[size_t(e + 1) % 3] - from;
+        const double length = glm::dot(along, along);
+        const double s = length > 0 ? std::clamp(glm::dot(p - from, along) / length, 0.0, 1.0) : 0;
+        const glm::dvec2 off = from + s * along - p;
+        if (glm::dot(off, off) >= least) continue;
+        least = glm::dot(off, off);
+        best = glm::dvec3(0);
+        best[e] = 1 - s, best[(e + 1) % 3] = s;
+    }
+    return best;
+}
+
+// Whether the triangle has a point less than 1 from `p` both across and down: an edge's normal or an axis would part the two.
+bool isReadAt(const Corners& c, const glm::dvec2& p) {
+    for (int axis = 0; axis < 2; ++axis) {
+        const auto [low, high] = std::minmax({c[0][axis], c[1][axis], c[2][axis]});
+        if (low - p[axis] >= 1 || p[axis] - high >= 1) return false;
+    }
+    for (size_t e = 0; e < 3; ++e) {
+        const glm::dvec2 along = c[(e + 1) % 3] - c[e], normal(-along.y, along.x);
+        const double middle = glm::dot(normal, p), reach = std::abs(normal.x) + std::abs(normal.y);
+        const double a = glm::dot(normal, c[0]) - middle, b = glm::dot(normal, c[1]) - middle, d = glm::dot(normal, c[2]) - middle;
+        if (reach > 0 && (std::min({a, b, d}) >= reach || std::max({a, b, d}) <= -reach)) return false;
+    }
+    return true;
+}
+
+Corners cornersInImage(const Surface& surface, size_t t, int width, int height) {
+    Corners out;
+    for (size_t c = 0; c < 3; ++c) out[c] = placeInImage(surface.coordinates[surface.triangles[t][c]], float(width), float(height));
+    return out;
+}
+
+void fillGutters(TexelMap& map) {
+    std::deque<uint32_t> next;
+    constexpr uint32_t none = UINT32_MAX;
+    map.from.assign(map.texels.size(), none);
+    for (uint32_t i = 0; i < map.texels.size(); ++i)
+        if (map.isDrawn[i]) map.from[i] = i, next.push_back(i);
+    for (; !next.empty(); next.pop_front()) {
+        const int x = int(next.front()) % map.width, y = int(next.front()) / map.width;
+        for (const auto& [dx, dy] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}) {
+            if (x + dx < 0 || x + dx >= map.width || y + dy < 0 || y + dy >= map.height) continue;
+            const auto to = uint32_t((y + dy) * map.width + x + dx);
+            if (map.from[to] != none) continue;
+            map.from[to] = map.from[next.front()];
+            next.push_back(to);
+        }
+    }
+    for (size_t i = 0; i < map.texels.size(); ++i)
+        if (map.from[i] != none) map.texels[i] = map.texels[map.from[i]];
+}
+
+// The four numbers as samples of the image: signed codes, moved to positive ones.
+template <typename Packed>
+void putCodes(RgbaImage& image, const Packed& packed) {
+    const int middle = 1 << (image.bits - 1);
+    for (const auto code : packed) image.samples.push_back(uint16_t(int(code) + middle));
+}
+
+RgbaImage imageOf(const SeenOnTexels& seen, const glm::mat3& toLocal, int bits) {
+    RgbaImage out{seen.width, seen.height, bits, {}};
+    out.samples.reserve(4 * seen.visibility.size());
+    for (const Visibility& v : seen.visibility) {
+        const Visibility own{toLocal * v.direction, v.area};
+        if (bits == 16)
+            putCodes(out, pack16(own));
+        else
+            putCodes(out, pack8(own));
+    }
+    return out;
+}
+
+SeenOnTexels seenIn(const RgbaImage& image, const glm::mat3& toWorld) {
+    SeenOnTexels out{image.width, image.height, {}, {}};
+    const int middle = 1 << (image.bits - 1);
+    const auto most = float(middle - 1);
+    for (size_t i = 0; i + 3 < image.samples.size(); i += 4) {
+        glm::vec4 numbers;
+        for (int c = 0; c < 4; ++c) numbers[c] = std::max(float(int(image.samples[i + size_t(c)]) - middle) / most, -1.0f);
+        Visibility v = unpack(numbers);
+        v.direction = toWorld * v.direction;
+        out.visibility.push_back(v);
+    }
+    return out;
+}
+
+size_t indexIn(const Json& entry, const char* key) {
+    const auto found = entry.is_object() ? entry.find(key) : entry.end();
+    return entry.is_object() && found != entry.end() && found->is_number_unsigned() ? found->get<size_t>() : SIZE_MAX;
+}
+
+}  // namespace
+
+void requireMappable(const Surface& surface, int width, int height, const std::string& where) {
+    for (const glm::vec2& c : surface.coordinates)
+        if (!(c.x >= 0 && c.x <= 1 && c.y >= 0 && c.y <= 1)) throw Error(where + ": a texture coordinate lies outside 0..1");
+    double work = 0;
+    for (size_t t = 0; t < surface.triangles.size(); ++t) {
+        const Corners c = cornersInImage(surface, t, width, height);
+        const glm::dvec2 size = glm::max(glm::max(c[0], c[1]), c[2]) - glm::min(glm::min(c[0], c[1]), c[2]);
+        work += size.x * size.y;
+    }
+    if (work > kMostCover * double(width) * double(height)) throw Error(where + ": its triangles lie over each other");
+}
+
+glm::vec2 coordinatesAt(const Surface& surface, size_t triangle, const glm::vec3& barycentrics) {
+    glm::vec2 out(0);
+    for (int c = 0; c < 3; ++c) out += barycentrics[c] * surface.coordinates[surface.triangles[triangle][size_t(c)]];
+    return out;
+}
+
+TexelCell texelCell(const Surface& surface, size_t triangle, const glm::vec3& barycentrics, int width, int height) {
+    return texelCellAt(placeInImage(coordinatesAt(surface, triangle, barycentrics), float(width), float(height)), width, height);
+}
+
+size_t TexelMap::drawn() const { return size_t(std::count(isDrawn.begin(), isDrawn.end(), 1)); }
+
+TexelMap mapTexels(const Surface& surface, int width, int height) {
+    TexelMap map{width, height, {}, {}, {}};
+    map.texels.resize(size_t(width) * size_t(height));
+    map.isDrawn.assign(map.texels.size(), 0);
+    for (size_t t = 0; t < surface.triangles.size(); ++t) {
+        const Corners corners = cornersInImage(surface, t, width, height);
+        const glm::dvec2 low = glm::min(glm::min(corners[0], corners[1]), corners[2]),
+                         high = glm::max(glm::max(corners[0], corners[1]), corners[2]);
+        const int left = std::max(0, int(std::ceil(low.x - 1))), right = std::min(width - 1, int(std::floor(high.x + 1)));
+        const int top = std::max(0, int(std::ceil(low.y - 1))), bottom = std::min(height - 1, int(std::floor(high.y + 1)));
+        for (int y = top; y <= bottom; ++y)
+            for (int x = left; x <= right; ++x) {
+                const glm::dvec2 middle(x, y);
+                if (!isReadAt(corners, middle)) continue;
+                const glm::dvec3 w = nearestTo(corners, middle);
+                const auto distance = float(glm::distance(w.x * corners[0] + w.y * corners[1] + w.z * corners[2], middle));
+                const size_t at = size_t(y) * size_t(width) + size_t(x);
+                TexelMap::Texel& texel = map.texels[at];
+                map.isDrawn[at] = 1;
+                if (texel.triangle < 0 || distance < texel.distance) texel = {int(t), glm::vec3(w), distance};
+            }
+    }
+    fillGutters(map);
+    return map;
+}
+
+void setTexelNormals(const Scene& scene, size_t instance, const TexelMap& map, SeenOnTexels& texels) {
+    texels.normals.clear();
+    for (const TexelMap::Texel& texel : map.texels)
+        texels.normals.push_back(texel.triangle < 0 ? glm::vec3(0, 1, 0)
+                                                    : surfaceAt(scene, int(instance), texel.triangle, texel.barycentrics).looking());
+}
+
+Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits) {
+    Json out;
+    Json& json = writer.json();
+    size_t sampler = SIZE_MAX;
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const SeenOnTexels& seen = visibility[i].texels;
+        if (seen.visibility.empty()) continue;
+        const Instance& instance = scene.instances[i];
+        if (sampler == SIZE_MAX) {
+            sampler = listOf(json, "samplers").size();
+            // Linear, with the nearest mip's linear; no repetition.
+            json["samplers"].push_back({{"magFilter", 9729}, {"minFilter", 9729}, {"wrapS", 33071}, {"wrapT", 33071}});
+        }
+        const RgbaImage image = imageOf(seen, glm::transpose(rotationPart(instance.toWorld)), bits);
+        const size_t view = writer.addView(encodePng(image)), texture = listOf(json, "textures").size();
+        json["textures"].push_back({{"sampler", sampler}, {"source", listOf(json, "images").size()}});
+        json["images"].push_back({{"name", "_VISIBILITY"}, {"mimeType", "image/png"}, {"bufferView", view}});
+        out.push_back({{"mesh", json["nodes"][size_t(instance.node)]["mesh"]},
+                       {"primitive", instance.primitive},
+                       {"texture", texture},
+                       {"texCoord", scene.surfaces[size_t(instance.surface)].coordinateSet}});
+    }
+    return out;
+}
+
+std::set<size_t> removeTexels(Json& json) {
+    std::set<size_t> views;
+    Json& baked = json["asset"]["extras"]["apertura"];
+    const Json entries = listOf(baked, kEntry);
+    baked.erase(kEntry);
+    // The last first: what was added behind them would change its place.
+    for (size_t e = entries.size(); entries.is_array() && e-- > 0;) {
+        const size_t texture = indexIn(entries[e], "texture");
+        if (texture + 1 != listOf(json, "textures").size()) continue;
+        const size_t source = indexIn(json["textures"][texture], "source"), sampler = indexIn(json["textures"][texture], "sampler");
+        if (source + 1 != listOf(json, "images").size() || json["images"][source].value("name", "") != "_VISIBILITY") continue;
+        if (const size_t view = indexIn(json["images"][source], "bufferView"); view != SIZE_MAX) views.insert(view);
+        json["textures"].erase(texture), json["images"].erase(source);
+        if (e == 0 && sampler + 1 == listOf(json, "samplers").size()) json["samplers"].erase(sampler);
+    }
+    for (const char* list : {"textures", "images", "samplers"})
+        if (json.contains(list) && json[list].empty()) json.erase(list);
+    return views;
+}
+
+void readTexels(Asset& asset, const Json& described) {
+    Scene& scene = asset.scene;
+    const Json& entries = listOf(described, kEntry);
+    if (!entries.is_array()) return;
+    const GltfDocument& document = *scene.document;
+    std::map<std::pair<size_t, size_t>, const Json*> byPrimitive;
+    for (const Json& entry : entries) byPrimitive[{indexIn(entry, "mesh"), indexIn(entry, "primitive")}] = &entry;
+    double bytes = 0;
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        const auto found = byPrimitive.find(
+            {document.json["nodes"][size_t(instance.node)]["mesh"].get<size_t>(), size_t(instance.primitive)});
+        if (found == byPrimitive.end()) continue;
+        const Json& entry = *found->second;
+        const std::string where = scene.name + ": the image of mesh " + std::to_string(indexIn(entry, "mesh"));
+        const Surface& surface = scene.surfaces[size_t(instance.surface)];
+        if (surface.coordinates.empty() || size_t(surface.coordinateSet) != indexIn(entry, "texCoord"))
+            throw Error(where + " has no texture coordinates any more");
+        const size_t texture = indexIn(entry, "texture");
+        const size_t source = texture < listOf(document.json, "textures").size() ? indexIn(document.json["textures"][texture], "source")
+                                                                                 : SIZE_MAX;
+        if (source >= listOf(document.json, "images").size()) throw Error(where + " does not exist");
+        const size_t view = indexIn(document.json["images"][source], "bufferView");
+        const RgbaImage image = view == SIZE_MAX ? decodePng(*document.images[source], where) : decodePng(viewBytes(document, view), where);
+        requireMappable(surface, image.width, image.height, where);
+        SeenOnTexels& texels = asset.seen[i].texels;
+        texels = seenIn(image, rotationPart(instance.toWorld));
+        setTexelNormals(scene, i, mapTexels(surface, image.width, image.height), texels);
+        asset.info.bits = image.bits;
+        requireMemory(scene.name, "its images", bytes += double(texels.visibility.size()) * sizeof(Visibility));
+    }
+}
+
+}  // namespace apertura

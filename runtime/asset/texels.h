@@ -1,0 +1,52 @@
+#pragma once
+// Visibility in images over texture coordinates: where their texels lie on a surface, and how an asset holds them.
+#include <glm/glm.hpp>
+#include <set>
+#include <vector>
+
+#include "runtime/asset/asset.h"
+#include "runtime/asset/gltf_writer.h"
+#include "sh/shading.h"
+
+namespace apertura {
+
+// Throws Error beginning with `where` unless all texture coordinates are finite and within 0..1, and where the triangles lie over each
+// other so often that mapping them would take long.
+void requireMappable(const Surface& surface, int width, int height, const std::string& where);
+
+// The texture coordinates of a point of a triangle. `barycentrics`: as for surfaceAt.
+glm::vec2 coordinatesAt(const Surface& surface, size_t triangle, const glm::vec3& barycentrics);
+
+// The four texels of an image about a point of a triangle.
+TexelCell texelCell(const Surface& surface, size_t triangle, const glm::vec3& barycentrics, int width, int height);
+
+// What of a surface each texel of an image stands for.
+struct TexelMap {
+    struct Texel {
+        int triangle = -1;
+        glm::vec3 barycentrics;  // of the triangle's point that is nearest to the texel's middle in the image
+        float distance = 0;      // from there to the middle, in texels
+    };
+    int width, height;
+    std::vector<Texel> texels;     // row after row. All have a triangle, unless the surface has none with coordinates
+    std::vector<uint8_t> isDrawn;  // bilinear filtering reads it somewhere on the surface; the others are gutters
+    std::vector<uint32_t> from;    // the drawn texel that each takes after: itself, or for gutters one close by
+    size_t drawn() const;
+};
+
+// Throws nothing; `surface` must have coordinates, all of them finite and within 0..1.
+TexelMap mapTexels(const Surface& surface, int width, int height);
+
+// Fills `texels.normals` of an instance, from the points of the surface that its texels stand for.
+void setTexelNormals(const Scene& scene, size_t instance, const TexelMap& map, SeenOnTexels& texels);
+
+// The images of a scene in a document: adds them to it and returns their description, or null where no instance has one.
+Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits);
+
+// Takes out the images that an earlier bake added, as far as nothing else has been added behind them. Returns views that they held.
+std::set<size_t> removeTexels(Json& json);
+
+// Reads the images that `described`, asset.extras.apertura, names into asset.seen. Throws Error naming the scene where they are damaged.
+void readTexels(Asset& asset, const Json& described);
+
+}  // namespace apertura
