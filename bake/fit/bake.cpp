@@ -17,6 +17,7 @@ namespace apertura {
 namespace {
 
 constexpr int kLambdaPoints = 400;       // points over the surface, from which the Lagrange multiplier of `auto` is found
+constexpr size_t kMostNeighbours = 16;   // of a vertex, that its lobes agree with
 constexpr int kOwnPoints = 600;          // and those from which what a model itself errs is found,
 constexpr int kOwnRays = 1024;           // by at least so many rays
 constexpr double kStorageShare = 0.5;    // of the model's own error: what storing adds to it is then an eighth
@@ -44,7 +45,7 @@ double ownErrorOf(const Scene& scene, const OcclusionSource& source, const Solid
 
 FitOptions fitOptionsOf(const BakeOptions& options) { return {options.tolerance, options.lambda, options.price, options.terrain}; }
 
-// Vertices that an edge joins, across those that are split; twins are each other's neighbours.
+// Of each vertex, some of those that an edge joins it to, each place once however its vertices are split; and its own first twin.
 Neighbours neighboursOf(const Scene& scene, const VertexPoints& vertices) {
     std::vector<std::vector<uint32_t>> pointOf;
     for (const Instance& instance : scene.instances) pointOf.emplace_back(scene.surfaces[instance.surface].positions.size(), 0);
@@ -56,9 +57,11 @@ Neighbours neighboursOf(const Scene& scene, const VertexPoints& vertices) {
         if (instance != last) stored.emplace(scene, instance);
         last = instance;
         edges.emplace_back(k, pointOf[instance][stored->firstTwin(vertex)]);
-        for (const uint32_t near : stored->neighbours(vertex)) edges.emplace_back(k, pointOf[instance][near]);
+        const std::span<const uint32_t> near = stored->neighbours(vertex);
+        const size_t few = std::min(near.size(), kMostNeighbours);
+        for (size_t n = 0; n < few; ++n) edges.emplace_back(k, pointOf[instance][near[(n * near.size() + k) / few % near.size()]]);
     }
-    return Neighbours(vertices.places.size(), std::move(edges));
+    return Neighbours(vertices.places.size(), std::move(edges), Neighbours::Edges::OneWay);
 }
 
 }  // namespace
@@ -198,7 +201,9 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
         for (size_t i = 0; i < out.size(); ++i) out[i].faces = std::move(fitted[i].faces);
         faces.bakeSamples(out, source, sampling, part(progress, 0.8, 1));
     }
+    throwIfStopped(progress, 1);
     faces.judge(out);
+    throwIfStopped(progress, 1);
     if (report) *report = faces.report();
     return out;
 }

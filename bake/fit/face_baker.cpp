@@ -126,7 +126,13 @@ size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unkno
     });
     counter.throwIfStopped();
     if (agreeing) {
-        agree(models()[size_t(recipe_.model)], tools_, fitOptions_, fitted, sites.neighbours(faces, seen), options_.seed, {});
+        const auto report = [&counter, done = size_t(0), all = fitted.size()](double share) mutable {
+            const auto now = size_t(share * double(all));
+            counter.add(now - done);
+            done = now;
+            return !counter.stopped();
+        };
+        agree(models()[size_t(recipe_.model)], tools_, fitOptions_, fitted, sites.neighbours(faces, seen), options_.seed, report);
         for (size_t s = 0; s < baked.size(); ++s) baked[s] = fitted[s].baked;
     }
     if (recipe_.model >= 0) seen.allParams.resize(seen.visibility.size());

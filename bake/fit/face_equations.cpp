@@ -1,5 +1,7 @@
 #include "bake/fit/face_equations.h"
 
+#include "bake/sampling/neighbours.h"
+
 namespace apertura {
 namespace {
 
@@ -43,7 +45,7 @@ LeastSquares equationsOf(const Unknowns& unknowns, std::span<const Face> faces, 
         if (level == 0)
             tie(0, 1), tie(1, 2), tie(2, 0);
         else
-            forNeighbours(latticeSteps(level), tie);
+            forLatticeEdges(latticeSteps(level), tie);
     }
     return out;
 }

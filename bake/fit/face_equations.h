@@ -13,16 +13,6 @@ namespace apertura {
 // A cell's samples, numbered as in their lattice, with their weights.
 std::array<Term, 3> termsOf(const LatticeCell& cell);
 
-// Calls tie(a, b) for the neighbours in a lattice.
-void forNeighbours(int steps, const auto& tie) {
-    for (int j = 0; j <= steps; ++j)
-        for (int i = 0; i <= steps - j; ++i) {
-            const int at = latticeRow(j, steps) + i;
-            if (i < steps - j) tie(at, at + 1), tie(at, latticeRow(j + 1, steps) + i);
-            if (i > 0 && j < steps) tie(at, latticeRow(j + 1, steps) + i - 1);
-        }
-}
-
 // What is fitted: vertices and samples, or vertices alone, as if no face had samples.
 enum class Fitted { All, Vertices };
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "bake/sampling/directions.h"
+#include "bake/sampling/neighbours.h"
 #include "bake/sampling/surface_points.h"
 #include "runtime/asset/faces.h"
 
@@ -15,7 +16,6 @@ constexpr float kTies[] = {0.03f, 0.5f, 8};  // how strongly neighbouring sample
 constexpr int kCoarse = 5;        // lattices up to this level are too coarse, or have too few witnesses, to tell what finer ones will do
 constexpr double kShared = 3;     // witnesses that the mean of a level's faces counts as
 constexpr double kSpread = 0.28;  // of the squared spread of three samples' lights: what mixing these errs as hard edges move between them
-constexpr double kGrade = 2.01;   // how far apart a face's samples may be, over those of a face that it meets smoothly
 
 // Witnesses that judge a lattice.
 size_t witnessesFor(int level) { return std::max(size_t(8), size_t(latticeSteps(level)) * size_t(latticeSteps(level)) / 2); }
@@ -98,7 +98,7 @@ double FaceSet::ownError(const Face& face, float tie) const {
     LeastSquares equations(size_t(latticeSize(steps)));
     for (const Probe& probe : face.probes)
         if (!probe.buried) equations.add(termsOf(latticeCell(probe.weights, steps)), probe.mean());
-    forNeighbours(steps, [&](int a, int b) { equations.tie(uint32_t(a), uint32_t(b), tie); });
+    forLatticeEdges(steps, [&](int a, int b) { equations.tie(uint32_t(a), uint32_t(b), tie); });
     return total(errorsOf(face, equations.solve()));
 }
 
@@ -144,7 +144,7 @@ double FaceSet::costOf(const Face& face, const FaceOptions& options) {
 bool FaceSet::grade(const FaceOptions& options, double bytes, const Progress& progress) {
     bool full = false;
     for (int round = 0;; ++round) {
-        throwIfStopped(progress, 1 - 1.0 / (30 + round));
+        throwIfStopped(progress, round / (1.0 + round));
         std::vector<size_t> chosen;
         for (const size_t f : tooCoarse()) {
             const double cost = costOf(faces[f], options);
@@ -166,14 +166,17 @@ std::vector<size_t> FaceSet::tooCoarse() const {
         const Unknowns unknowns = unknownsOf(scene, i, facesOf(i));
         std::vector<double> spacings(surfaceOf(i).triangles.size(), HUGE_VAL);  // m, where samples and not just the mesh made them
         const auto spacing = [](const Face& face) { return std::sqrt(2 * face.area) / latticeSteps(std::max(face.level, 1)); };
-        for (const Face& face : facesOf(i))
+        std::vector<int> levels(spacings.size(), 0);
+        for (const Face& face : facesOf(i)) {
+            levels[face.triangle] = face.level;
             if (face.level > 1) spacings[face.triangle] = spacing(face);
+        }
         for (size_t f = firstFace[i]; f < firstFace[i + 1]; ++f) {
             const Face& face = faces[f];
             if (face.open == 0 || face.level == MAX_LATTICE_LEVEL) continue;
             for (int e = 0; e < 3; ++e) {
                 const int64_t other = unknowns.across(face.triangle, e);
-                if (other >= 0 && spacing(face) > kGrade * spacings[size_t(other)]) {
+                if (other >= 0 && face.level + 1 < levels[size_t(other)] && spacing(face) > 2 * spacings[size_t(other)]) {
                     found[i].push_back(f);
                     break;
                 }

@@ -51,8 +51,9 @@ struct FaceSet {  // must not outlive what it refers to
     // Bytes that a face takes more when it is refined.
     static double costOf(const Face& face, const FaceOptions& options);
 
-    // Refines faces that are much coarser than those they meet smoothly: where fine samples end at coarse ones, the straight edge between
-    // them shows, and few witnesses may have made light of a face that is like its neighbours. Returns whether bytes kept one from it.
+    // Refines faces that have less than half the steps of those they meet smoothly, on the edge and by area: where fine samples end at
+    // coarse ones, the straight edge between them shows, and few witnesses may have made light of a face that is like its neighbours.
+    // Returns whether bytes kept one from it.
     bool grade(const FaceOptions& options, double bytes, const Progress& progress);
 
     // Fits the faces of an instance together, and calls use(face, samples) for each that isWanted(face).

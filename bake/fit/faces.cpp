@@ -21,6 +21,7 @@ constexpr double kWorth = 0.4;      // the least fraction of the squared error t
                                     // tenth more bytes, four in a hundred,
 constexpr double kLittle = 65536;   // where what so many samples take counts as spent
 constexpr int kMostRounds = 60;
+constexpr double kGrading = 0.9;     // of the progress, where grading begins
 constexpr int kReportPoints = 3000;  // over the surface, from which what is left of the error is estimated
 constexpr size_t kUnseen = 1 << 20;  // number of the first witness of a triangle that took no part in choosing its samples
 
@@ -96,7 +97,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
     std::vector<size_t> refined;  // since all were judged
     // Faces are refined each by itself, and then judged again as they are when all are fitted together.
     for (int round = 0, since = 0; round < kMostRounds; ++round, ++since) {
-        throwIfStopped(progress, double(round) / kMostRounds);
+        throwIfStopped(progress, kGrading * double(round) / kMostRounds);
         double error = 0;
         for (const Face& face : set.faces) error += face.area * face.open * face.error;
         if (error <= allowed) {
@@ -142,7 +143,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
         refined.insert(refined.end(), chosen.begin(), chosen.end());
         set.refineFaces(chosen, options.isFitted);
     }
-    full |= set.grade(options, bytes, progress);
+    full |= set.grade(options, bytes, part(progress, kGrading, 1));
     set.measure();
     FaceReport& report = set.report;
     report = {};
@@ -221,7 +222,7 @@ BakedVisibility Faces::fit() const {
 
 void Faces::bakeSamples(BakedVisibility& out, const OcclusionSource& source, const BakeOptions& options, const Progress& progress) const {
     const FaceBaker baker(set_->scene, set_->prober, source, options);
-    ProgressCounter counter(progress, std::max<size_t>(set_->report.samples, 1));
+    ProgressCounter counter(progress, std::max<size_t>(2 * set_->report.samples, 1));  // made, and brought to agree
     for (size_t i = 0; i < out.size(); ++i) {
         if (out[i].faces.visibility.empty()) continue;
         set_->report.rays += baker.bake(i, set_->facesOf(i), unknownsOf(set_->scene, i, set_->facesOf(i)), out[i].faces, counter);

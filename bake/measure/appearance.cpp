@@ -17,6 +17,7 @@ namespace apertura {
 namespace {
 
 using std::numbers::pi;
+constexpr size_t kMostAround = 32;  // points about one, of which the mean is taken; a regular mesh has 18
 constexpr size_t kPatches = 256, kLights = 32;
 constexpr int kRays = 64;         // a light and point, for the truth
 constexpr double kInside = 0.02;  // how far truth looks from inside its triangle, of the way to its middle
@@ -133,7 +134,11 @@ void Appearance::addPatches(std::span<const SurfaceSample> receivers) {
         const uint32_t own = there.firstTwin(level > 0 ? surface.positions.size() + faces.first[size_t(receiver.triangle)]
                                                              + size_t(cell.samples[nearest])
                                                        : surface.triangles[size_t(receiver.triangle)][size_t(nearest)]);
-        const std::vector<uint32_t> around = there.withinTwo(own);
+        std::vector<uint32_t> around = there.withinTwo(own);
+        if (const size_t all = around.size(); all > kMostAround) {
+            for (size_t n = 0; n < kMostAround; ++n) around[n] = around[n * all / kMostAround];
+            around.resize(kMostAround);
+        }
         if (around.empty() || !taken.insert({receiver.instance, own}).second) continue;
         Patch& patch = patches_.emplace_back();
         const auto add = [&](uint32_t point) {

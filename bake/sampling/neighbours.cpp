@@ -14,8 +14,9 @@ constexpr float kTwinCosine = 0.866f;
 
 }  // namespace
 
-Neighbours::Neighbours(size_t points, std::vector<std::pair<uint32_t, uint32_t>> edges) : first_(points + 1, 0) {
-    for (size_t i = 0, n = edges.size(); i < n; ++i) edges.emplace_back(edges[i].second, edges[i].first);
+Neighbours::Neighbours(size_t points, std::vector<std::pair<uint32_t, uint32_t>> edges, Edges kind) : first_(points + 1, 0) {
+    if (kind == Edges::BothWays)
+        for (size_t i = 0, n = edges.size(); i < n; ++i) edges.emplace_back(edges[i].second, edges[i].first);
     std::erase_if(edges, [](const auto& edge) { return edge.first == edge.second; });
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
@@ -79,13 +80,15 @@ StoredPoints::StoredPoints(const Scene& scene, size_t instance, const SeenOnFace
         std::vector<uint32_t> firsts;
         for (end = begin; end < order.size() && key(order[end]) == key(order[begin]); ++end) {
             const uint32_t point = order[end];
+            twin_[point] = point;
+            if (places_[point].triangle < 0) continue;  // vertices that nothing draws are twins of none
             const auto same = std::find_if(firsts.begin(), firsts.end(), [&](uint32_t f) {
-                // Vertices that nothing draws are twins of none.
-                return places_[f].triangle >= 0 && places_[point].triangle >= 0
-                    && dot(normal[f], normal[point]) >= kTwinCosine * length(normal[f]) * length(normal[point]);
+                return dot(normal[f], normal[point]) >= kTwinCosine * length(normal[f]) * length(normal[point]);
             });
-            twin_[point] = same == firsts.end() ? point : *same;
-            if (same == firsts.end()) firsts.push_back(point);
+            if (same == firsts.end())
+                firsts.push_back(point);
+            else
+                twin_[point] = *same;
         }
     }
     for (auto& [from, to] : edges) from = twin_[from], to = twin_[to];

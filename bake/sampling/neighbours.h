@@ -15,8 +15,10 @@ namespace apertura {
 class Neighbours {
 public:
     Neighbours() = default;
-    // `edges`: in either direction, in any order, as often as they like; those from a point to itself are left out.
-    Neighbours(size_t points, std::vector<std::pair<uint32_t, uint32_t>> edges);
+    // `edges`: in any order, as often as they like; those from a point to itself are left out. BothWays: the two points are each other's
+    // neighbours; OneWay: the second is one of the first.
+    enum class Edges { BothWays, OneWay };
+    Neighbours(size_t points, std::vector<std::pair<uint32_t, uint32_t>> edges, Edges kind = Edges::BothWays);
     std::span<const uint32_t> of(size_t point) const { return {all_.data() + first_[point], first_[point + 1] - first_[point]}; }
     // Its neighbours and theirs, without itself, in rising order.
     std::vector<uint32_t> withinTwo(size_t point) const;
@@ -25,7 +27,7 @@ private:
     std::vector<uint32_t> first_{0}, all_;
 };
 
-// Calls use(a, b) for each edge of each cell of a lattice, once or more, with its two samples.
+// Calls use(a, b) once for each edge between the cells of a lattice, with its two samples.
 template <typename Use>
 void forLatticeEdges(int steps, Use&& use) {
     for (int j = 0; j < steps; ++j)
@@ -38,9 +40,9 @@ void forLatticeEdges(int steps, Use&& use) {
 }
 
 // The points of an instance that visibility is stored at: its vertices, then the samples of its faces in their order. Two of them are
-// twins where they lie at one place and look the same way within 30 degrees: vertices that are split for texture coordinates, triangles
-// that share no vertices, corners and edges of two faces' lattices. The first of all twins stands for them; neighbours are ends of the
-// edges of cells (of whole triangles where the vertices suffice), each by its first twin.
+// twins where they lie at one place and look as the first one there does within 30 degrees: vertices that are split for texture
+// coordinates, triangles that share no vertices, corners and edges of two faces' lattices. The first of all twins stands for them;
+// neighbours are ends of the edges of cells (of whole triangles where the vertices suffice), each by its first twin.
 class StoredPoints {
 public:
     // A place on a triangle. Barycentrics are weights of its corners.

@@ -42,9 +42,9 @@ void read(const std::string& path, Coordinates coordinates, PipeWriter& pipe) {
     // Degrees. If the file has no normals, vertices are split at edges that bend by more than this.
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 60.0f);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, (coordinates == Coordinates::Read ? 0u : unsigned(aiComponent_TEXCOORDS)) | aiComponent_COLORS
-                                                            | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_MATERIALS
-                                                            | aiComponent_TEXTURES);
+    importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, (coordinates == Coordinates::Read ? 0u : unsigned(aiComponent_TEXCOORDS))
+                                                            | aiComponent_COLORS | aiComponent_TANGENTS_AND_BITANGENTS
+                                                            | aiComponent_MATERIALS | aiComponent_TEXTURES);
     // Positions are checked before post-processing, which could merge or drop the broken ones.
     const aiScene* scene = importer.ReadFile(path, 0);
     auto fail = [&] {
