@@ -26,8 +26,8 @@ struct Frame {
 };
 
 struct SceneVertex {
-    vec4 position;  // xyz: world, metres
-    vec4 normal;    // xyz: unit
+    vec4 position;  // xyz: world, metres; w: the texture coordinate u
+    vec4 normal;    // xyz: unit; w: v
 };
 
 // The cap that a light fills as seen from `position`, metres. A lightClass other than LIGHTS_ANY has no spheres.

@@ -1,12 +1,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lattice.glsl"
+#include "texels.glsl"
 #include "vertex_params.glsl"
 
 // One pipeline per model and class of lights. This text is compiled several times, so that each calls irradianceThrough in one place:
 // drivers copy it, with every model, to each.
 //   APERTURA_CORNERS    0: the parameters are interpolated; 3: the light at the three corners is, because the lobes of neighbouring
-//                       samples need not correspond; 1: one corner, to count what it costs
+//                       samples need not correspond, and so at four texels; 1: one corner, to count what it costs
 //   APERTURA_ONE_LIGHT  1: for frames of just one light; 0: of any number
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
@@ -14,7 +15,8 @@ layout(location = 2) in vec2 place;
 layout(location = 3) flat in float pitch;
 layout(location = 4) flat in uvec3 firstCell;
 
-layout(constant_id = 3) const bool onFaces = false;  // some faces have samples of their own
+layout(constant_id = 3) const bool onFaces = false;   // some faces have samples of their own
+layout(constant_id = 4) const bool onTexels = false;  // some meshes have images
 
 layout(location = 0) out vec4 colour;  // reflected radiance, linear
 
@@ -39,16 +41,22 @@ void addReceiver(Receiver receiver, float share) {
 
 void main() {
     vec3 normal = normalize(worldNormal);
-    // The three samples about the pixel.
-    uvec3 around = firstCell;
-    vec3 shares = vec3(1.0 - place.x - place.y, place);
+    // The three samples about the pixel, or four texels.
+    uvec4 around = uvec4(firstCell, 0);
+    vec4 shares = vec4(1.0 - place.x - place.y, place, 0.0);
     if (onFaces) {
         LatticeCell cell = latticeCellFromFirst(place, pitch);
-        around += uvec3(cell.samples);
+        around.xyz += uvec3(cell.samples);
+        shares.xyz = cell.weights;
+    }
+    if (onTexels && pitch == 0.0) {
+        TexelCell cell = texelCellAt(place, int(firstCell.y), int(firstCell.z));
+        around = firstCell.x + uvec4(cell.texels);
         shares = cell.weights;
     }
+    const int corners = onTexels ? 4 : 3;
 #if APERTURA_CORNERS == 3
-    for (int c = 0; c < 3; ++c) addReceiver(receiverOf(around[c], normal), shares[c]);
+    for (int c = 0; c < corners; ++c) addReceiver(receiverOf(around[c], normal), shares[c]);
 #elif APERTURA_CORNERS == 1
     addReceiver(receiverOf(around[0], normal), shares[0]);
 #else
@@ -56,7 +64,7 @@ void main() {
     receiver.normal = normal;
     receiver.visibility = vec4(0.0);
     for (int k = 0; k < MAX_SLOTS; ++k) receiver.params[k] = vec4(0.0);
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < corners; ++c) {
         receiver.visibility += shares[c] * seen[around[c]];
         for (uint k = 0; k < slots; ++k) receiver.params[k] += shares[c] * allParams[around[c] * slots + k];
     }

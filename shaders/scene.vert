@@ -2,10 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 #include "lattice.glsl"
 #include "scene.glsl"
+#include "texels.glsl"
 
 layout(location = 0) out vec3 worldPosition;
 layout(location = 1) out vec3 worldNormal;
-// The lattice of the triangle's samples: see latticeCellFromFirst. One that has its three vertices alone has one step.
+// The lattice of the triangle's samples: see latticeCellFromFirst. One that has its three vertices alone has one step. In an image: the
+// place in texels, 0, and the first texel, width and height.
 layout(location = 2) out vec2 place;
 layout(location = 3) flat out float pitch;
 layout(location = 4) flat out uvec3 firstCell;
@@ -21,6 +23,12 @@ void main() {
     if (level > 0) firstCell = (face >> 4) + uvec3(0, 1, steps + 1);
     place = placeInLattice(vec2(corner == 1, corner == 2), float(steps));
     pitch = float(steps) + 1.5;
+    if (level == SAMPLES_ARE_TEXELS) {
+        uint size = indices[uint(frame.counts.w) / 3 * 4 + uint(gl_VertexIndex) / 3];
+        firstCell = uvec3(face >> 4, size & 65535, size >> 16);
+        place = placeInImage(vec2(v.position.w, v.normal.w), float(firstCell.y), float(firstCell.z));
+        pitch = 0.0;
+    }
     worldPosition = v.position.xyz;
     worldNormal = v.normal.xyz;
     gl_Position = frame.toClip * vec4(v.position.xyz, 1.0);

@@ -532,9 +532,9 @@ TEST(FaceSamples, AreDrawnInPartsAsInOne) {
     size_t triangles = 0;
     for (const GeometryPart& part : parts) {
         triangles += part.triangles;
-        EXPECT_TRUE(part.triangles == 1 || (part.vertices <= 18 && part.vertices + part.faceSamples <= 32));
+        EXPECT_TRUE(part.triangles == 1 || (part.vertices <= 18 && part.vertices + part.moreSamples <= 32));
         EXPECT_EQ(verticesOf(asset, part).size(), part.vertices);
-        EXPECT_EQ(indicesOf(asset, part, true).size(), 4 * part.triangles);
+        EXPECT_EQ(indicesOf(asset, part, true, false).size(), 4 * part.triangles);
     }
     EXPECT_EQ(triangles, triangleCount(scene));
     Renderer whole(large, asset), split(small, asset);

@@ -10,6 +10,7 @@ namespace apertura {
 namespace {
 
 constexpr uint32_t kNone = UINT32_MAX;
+constexpr uint32_t kTexels = 15;  // SAMPLES_ARE_TEXELS of scene.glsl
 
 const Surface& surfaceOf(const Asset& asset, const GeometryPiece& piece) {
     return asset.scene.surfaces[size_t(asset.scene.instances[size_t(piece.instance)].surface)];
@@ -34,16 +35,21 @@ std::vector<GeometryPart> splitGeometry(const Asset& asset, const PartLimits& li
         const Surface& surface = asset.scene.surfaces[size_t(asset.scene.instances[i].surface)];
         const SeenOnFaces& faces = asset.seen[i].faces;
         std::vector<uint32_t> vertexInPart(surface.positions.size(), kNone);
-        const auto begin = [&](size_t triangle) { parts.back().pieces.push_back({int(i), triangle, {}, {}}); };
+        const size_t texels = asset.seen[i].texels.visibility.size();
+        const auto begin = [&](size_t triangle) {
+            parts.back().pieces.push_back({int(i), triangle, {}, {}});
+            parts.back().moreSamples += texels;
+        };
+        if (parts.back().triangles > 0 && parts.back().vertices + parts.back().moreSamples + texels > limits.samples) parts.emplace_back();
         begin(0);
         for (size_t t = 0; t < surface.triangles.size(); ++t) {
             const std::array<uint32_t, 3>& corners = surface.triangles[t];
             const auto isNew = [&](uint32_t v) { return vertexInPart[v] == kNone; };
-            const size_t more = size_t(std::count_if(corners.begin(), corners.end(), isNew)), onFace = samplesOn(faces, t);
+            const size_t more = size_t(std::count_if(corners.begin(), corners.end(), isNew)), onFace = texels > 0 ? 0 : samplesOn(faces, t);
             const GeometryPart& now = parts.back();
             if (now.triangles > 0
                 && (now.triangles + 1 > limits.triangles || now.vertices + more > limits.vertices
-                    || now.vertices + now.faceSamples + more + onFace > limits.samples)) {
+                    || now.vertices + now.moreSamples + more + onFace > limits.samples)) {
                 for (const uint32_t v : now.pieces.back().vertices) vertexInPart[v] = kNone;
                 parts.emplace_back();
                 begin(t);
@@ -57,7 +63,7 @@ std::vector<GeometryPart> splitGeometry(const Asset& asset, const PartLimits& li
                 }
                 piece.corners.push_back(vertexInPart[v]);
             }
-            part.faceSamples += onFace;
+            part.moreSamples += onFace;
             ++part.triangles;
         }
     }
@@ -71,24 +77,37 @@ std::vector<SceneVertex> verticesOf(const Asset& asset, const GeometryPart& part
         const Surface& surface = surfaceOf(asset, piece);
         const glm::mat4& toWorld = asset.scene.instances[size_t(piece.instance)].toWorld;
         const glm::mat3 normals = normalMatrix(toWorld);
-        for (const uint32_t v : piece.vertices)
-            out.push_back({toWorld * glm::vec4(surface.positions[v], 1), vec4(unitNormal(normals, surface.normals[v]), 0)});
+        for (const uint32_t v : piece.vertices) {
+            const glm::vec2 coordinates = surface.coordinates.empty() ? glm::vec2(0) : surface.coordinates[v];
+            out.push_back({glm::vec4(glm::vec3(toWorld * glm::vec4(surface.positions[v], 1)), coordinates.x),
+                           vec4(unitNormal(normals, surface.normals[v]), coordinates.y)});
+        }
     }
     return out;
 }
 
-std::vector<uint32_t> indicesOf(const Asset& asset, const GeometryPart& part, bool onFaces) {
+std::vector<uint32_t> indicesOf(const Asset& asset, const GeometryPart& part, bool onFaces, bool onTexels) {
     std::vector<uint32_t> out;
-    out.reserve(part.triangles * (onFaces ? 4 : 3));
+    out.reserve(part.triangles * size_t(3 + (onFaces || onTexels) + onTexels));
     for (const GeometryPiece& piece : part.pieces) out.insert(out.end(), piece.corners.begin(), piece.corners.end());
     auto first = uint32_t(part.vertices);
     for (const GeometryPiece& piece : part.pieces) {
         const SeenOnFaces& faces = asset.seen[size_t(piece.instance)].faces;
-        for (size_t t = piece.firstTriangle; onFaces && t < piece.firstTriangle + piece.triangles(); ++t) {
+        const size_t texels = asset.seen[size_t(piece.instance)].texels.visibility.size();
+        if (texels > 0) {
+            out.insert(out.end(), piece.triangles(), first << 4 | kTexels);
+            first += uint32_t(texels);
+            continue;
+        }
+        for (size_t t = piece.firstTriangle; (onFaces || onTexels) && t < piece.firstTriangle + piece.triangles(); ++t) {
             const int level = faces.level(t);
             out.push_back(level > 0 ? first << 4 | uint32_t(level) : 0);
             first += uint32_t(samplesOn(faces, t));
         }
+    }
+    for (const GeometryPiece& piece : part.pieces) {
+        const SeenOnTexels& texels = asset.seen[size_t(piece.instance)].texels;
+        if (onTexels) out.insert(out.end(), piece.triangles(), uint32_t(texels.width) | uint32_t(texels.height) << 16);
     }
     return out;
 }
@@ -103,7 +122,9 @@ void forSamples(const Asset& asset, const GeometryPart& part, const UseSample& u
     }
     for (const GeometryPiece& piece : part.pieces) {
         const SeenOnFaces& faces = asset.seen[size_t(piece.instance)].faces;
-        for (size_t t = piece.firstTriangle; t < piece.firstTriangle + piece.triangles(); ++t) {
+        const SeenOnTexels& texels = asset.seen[size_t(piece.instance)].texels;
+        for (size_t k = 0; k < texels.visibility.size(); ++k) use(texels.visibility[k], nullptr, [&] { return texels.normals[k]; });
+        for (size_t t = piece.firstTriangle; texels.visibility.empty() && t < piece.firstTriangle + piece.triangles(); ++t) {
             const int steps = latticeSteps(std::max(faces.level(t), 1));
             for (size_t k = 0; k < samplesOn(faces, t); ++k) {
                 const size_t at = faces.first[t] + k;

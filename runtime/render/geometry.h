@@ -17,10 +17,10 @@ struct GeometryPiece {
     size_t triangles() const { return corners.size() / 3; }
 };
 
-// Its samples are numbered: the vertices of all pieces, then the samples on their faces.
+// Its samples are numbered: the vertices of all pieces, then the samples on their faces or in their images.
 struct GeometryPart {
     std::vector<GeometryPiece> pieces;
-    size_t vertices = 0, faceSamples = 0, triangles = 0;
+    size_t vertices = 0, moreSamples = 0, triangles = 0;
 };
 
 // What a part holds at most.
@@ -28,13 +28,15 @@ struct PartLimits {
     size_t vertices, samples, triangles;
 };
 
-// The scene's triangles in their order. A triangle that alone exceeds the limits has a part of its own.
+// The scene's triangles in their order. An image is in each part that has a triangle of its mesh. A triangle that alone exceeds the limits
+// has a part of its own.
 std::vector<GeometryPart> splitGeometry(const Asset& asset, const PartLimits& limits);
 
 // The buffers of a part.
 std::vector<SceneVertex> verticesOf(const Asset& asset, const GeometryPart& part);
-// The corners of all triangles; behind them, if `onFaces`, a number for each triangle that says where its samples are: see scene.vert.
-std::vector<uint32_t> indicesOf(const Asset& asset, const GeometryPart& part, bool onFaces);
+// The corners of all triangles; behind them one or two numbers for each triangle that say where its samples are, where there are some
+// beside the vertices: see scene.glsl.
+std::vector<uint32_t> indicesOf(const Asset& asset, const GeometryPart& part, bool onFaces, bool onTexels);
 
 // Calls use(visibility, params, normal) for each sample of a part in turn. `params` is null where the asset stores none; normal() makes the
 // normal about which the sample looks, unit, world.

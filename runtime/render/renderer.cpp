@@ -29,7 +29,7 @@ GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const GeometryPart& p
                     + "; bake it with --model " + std::string(model.name));
     std::vector<vec4> slots;
     if (model.slots > 0) {
-        slots.reserve((part.vertices + part.faceSamples) * size_t(model.slots));
+        slots.reserve((part.vertices + part.moreSamples) * size_t(model.slots));
         forSamples(asset, part, [&](const Visibility& visibility, const ModelParams* own, const auto& normal) {
             const ModelParams params = toParams(model, visibility, stored ? own : nullptr, normal());
             slots.insert(slots.end(), params.begin(), params.begin() + model.slots);
@@ -41,7 +41,7 @@ GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const GeometryPart& p
 
 GpuBuffer uploadSeen(const Gpu& gpu, const Asset& asset, const GeometryPart& part) {
     std::vector<vec4> seen;
-    seen.reserve(part.vertices + part.faceSamples);
+    seen.reserve(part.vertices + part.moreSamples);
     forSamples(asset, part, [&](const Visibility& v, const ModelParams*, const auto&) { seen.emplace_back(v.direction, v.area); });
     return uploadStorage(gpu, seen);
 }
@@ -64,7 +64,7 @@ PartLimits partLimits(const Gpu& gpu, int frames) {
     constexpr size_t kNumbered = size_t(1) << 28;  // samples: see GeometryPart and scene.vert
     return {.vertices = std::min(bytes / sizeof(SceneVertex), bytes / (size_t(frames) * size_t(litFloats(MAX_LIGHTS)) * sizeof(float))),
             .samples = std::min(bytes / (MAX_SLOTS * sizeof(vec4)), kNumbered),
-            .triangles = bytes / (4 * sizeof(uint32_t))};
+            .triangles = bytes / (5 * sizeof(uint32_t))};
 }
 
 }  // namespace
@@ -82,10 +82,10 @@ struct Renderer::State {
         std::map<int, GpuBuffer> allParams;                   // by model
         std::map<std::pair<int, int>, ModelBuffers> buffers;  // by model and floats of a lit vertex, 0: lit at pixels
 
-        Part(const Gpu& gpu, const Asset& asset, GeometryPart all, bool onFaces)
+        Part(const Gpu& gpu, const Asset& asset, GeometryPart all, bool onFaces, bool onTexels)
             : geometry(std::move(all)),
               vertices(uploadStorage(gpu, verticesOf(asset, geometry))),
-              indices(uploadStorage(gpu, indicesOf(asset, geometry, onFaces), vk::BufferUsageFlagBits::eIndexBuffer)),
+              indices(uploadStorage(gpu, indicesOf(asset, geometry, onFaces, onTexels), vk::BufferUsageFlagBits::eIndexBuffer)),
               seen(uploadSeen(gpu, asset, geometry)) {}
         uint32_t indexCount() const { return uint32_t(3 * geometry.triangles); }
         size_t litFloatsAFrame(int floats) const { return geometry.vertices * size_t(floats); }
@@ -97,10 +97,11 @@ struct Renderer::State {
           box(worldBounds(asset_.scene)),
           frames(frames_),
           onFaces(hasSamplesOnFaces(asset_)),
+          onTexels(hasTexels(asset_)),
           noVertices(gpu_, 0, vk::BufferUsageFlagBits::eStorageBuffer, GpuBuffer::Place::Device) {
         for (GeometryPart& part : splitGeometry(asset_, partLimits(gpu_, frames_ + 1))) {
             vertexCount += part.vertices;
-            parts.emplace_back(gpu_, asset_, std::move(part), onFaces);
+            parts.emplace_back(gpu_, asset_, std::move(part), onFaces, onTexels);
         }
         lit.emplace(gpu_, (frames_ + 1) * int(parts.size()));
     }
@@ -116,7 +117,7 @@ struct Renderer::State {
     const Asset& asset;
     Box box;
     int frames;  // of the caller; `draw` uses one more, number `frames`
-    bool onFaces;
+    bool onFaces, onTexels;
     size_t vertexCount = 0;
     std::vector<Part> parts;
     GpuBuffer noVertices;
@@ -174,13 +175,14 @@ void Renderer::State::light(int frame, const View& view, VkExtent2D size, int fl
     std::copy(view.lights.begin(), view.lights.end(), out.lights);
     for (size_t part = 0; part < parts.size(); ++part) {
         out.counts.y = int(size_t(frame) * parts[part].litFloatsAFrame(floats));
-        out.counts.w = onFaces ? int(parts[part].indexCount()) : 0;
+        out.counts.w = onFaces || onTexels ? int(parts[part].indexCount()) : 0;
         lit->set(litSlot(frame, part), out);
     }
 }
 
 LightAt Renderer::betterLightAt(const Model& model, double pixels) const {
-    return !model.mixes && !state_->onFaces && double(state_->vertexCount) < 3 * pixels ? LightAt::Vertices : LightAt::Pixels;
+    return !model.mixes && !state_->onFaces && !state_->onTexels && double(state_->vertexCount) < 3 * pixels ? LightAt::Vertices
+                                                                                                             : LightAt::Pixels;
 }
 
 void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights) {
@@ -190,7 +192,7 @@ void Renderer::prepare(const Model& model, int lightClass, VkFormat format, Ligh
     for (State::Part& part : p.parts) p.buffersOf(part, model, atVertices ? litFloats(mostLights) : 0);
     const GpuBindings& bindings = p.parts[0].buffers.at({model.id, atVertices ? litFloats(mostLights) : 0}).bindings;
     const int variant = variantOf(at, mostLights);
-    const int32_t atPixels[] = {model.id, lightClass, model.slots, p.onFaces},
+    const int32_t atPixels[] = {model.id, lightClass, model.slots, p.onFaces, p.onTexels},
                   interpolated[] = {model.id, moreThanOne(mostLights), lightClass};
     if (const std::tuple key(model.id, lightClass, format, variant); !p.pipelines.contains(key))
         p.pipelines.emplace(
