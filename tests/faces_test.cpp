@@ -17,6 +17,7 @@
 #include "runtime/asset/receiver.h"
 #include "runtime/render/geometry.h"
 #include "runtime/render/renderer.h"
+#include "tests/changed_gltf.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -206,14 +207,6 @@ TEST(FaceSamples, ComeBackFromTheFile) {
             EXPECT_LT(std::filesystem::file_size(folder / "b.glb"), std::filesystem::file_size(folder / "a.glb"));
             EXPECT_TRUE(readAsset(folder / "b.glb").seen[0].faces.levels.empty());
         }
-}
-
-// Writes a document again with its JSON changed.
-std::string changed(const Folder& folder, const std::string& path, const std::function<void(Json&)>& change) {
-    GltfDocument document = readGltfDocument(path);
-    change(document.json);
-    GltfWriter(document).write(folder / "changed.glb", folder / "changed.glb");
-    return folder / "changed.glb";
 }
 
 TEST(FaceSamples, OfFewFacesTakeFewBytes) {

@@ -17,7 +17,7 @@ namespace {
 constexpr double kProbesATexel = 3;
 constexpr double kFewestProbes = 2;     // of a triangle
 constexpr float kTie = 0.03f;           // how strongly neighbouring texels of a chart are drawn together, where a probe's weight is 1
-constexpr float kStitch = 4;            // and the two sides of an edge where charts meet, at each of the points along it
+constexpr float kStitch = 16;           // and the two sides of an edge where charts meet, at each of the points along it
 constexpr double kStitches = 2;         // points along such an edge, a texel
 constexpr double kMostOverlap = 0.001;  // of what the triangles cover
 constexpr float kSame = 1e-6f;          // texture coordinates that are the same

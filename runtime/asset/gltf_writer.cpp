@@ -178,9 +178,9 @@ void GltfWriter::removeReleased() {
 
 void GltfWriter::embedImages() {
     std::map<const Bytes*, size_t> views;
-    for (size_t i = 0; i < images_.size(); ++i) {
+    for (size_t i = 0; i < std::min(images_.size(), listOf(json_, "images").size()); ++i) {
         Json& image = json_["images"][i];
-        if (images_[i]->empty()) continue;
+        if (images_[i]->empty() || !image.contains("uri")) continue;  // others may have been put in a place that became free
         if (!image.contains("mimeType")) {
             const std::string type = mimeTypeOf(image["uri"].get_ref<const std::string&>(), *images_[i]);
             if (type.empty()) continue;  // a reader of the file could not tell its format: it stays a reference

@@ -71,6 +71,7 @@ RgbaImage decodePng(std::span<const unsigned char> bytes, const std::string& nam
         check(spng_decode_image(context.get(), narrow.data(), narrow.size(), SPNG_FMT_PNG, 0));
         out.samples.assign(narrow.begin(), narrow.end());
     }
+    check(spng_decode_chunks(context.get()));  // up to the end, which may be missing
     return out;
 }
 

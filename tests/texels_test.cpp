@@ -1,0 +1,317 @@
+// Visibility in images: where texels lie, what is fitted to them, how an asset holds them, and what is drawn and measured of them.
+#include "bake/fit/texels.h"
+
+#include <set>
+
+#include "bake/measure/measure.h"
+#include "bake/scene/load.h"
+#include "bake/scene/shapes.h"
+#include "runtime/asset/error.h"
+#include "runtime/asset/gltf.h"
+#include "runtime/asset/png.h"
+#include "runtime/asset/receiver.h"
+#include "runtime/asset/texels.h"
+#include "runtime/render/renderer.h"
+#include "tests/changed_gltf.h"
+#include "tests/support.h"
+
+namespace apertura::test {
+namespace {
+
+// A floor of two halves, each a chart, and a box over where they meet. Across x = 0 the image has a seam.
+Scene boxOverSeam() {
+    Scene scene;
+    scene.name = "box over a seam";
+    Surface floor, box;
+    for (const float side : {-1.0f, 1.0f}) {
+        const auto first = uint32_t(floor.positions.size());
+        for (const auto& [x, z] : {std::pair(0, -5), {5, -5}, {5, 5}, {0, 5}}) {
+            floor.positions.emplace_back(side * float(x), 0, z);
+            floor.normals.emplace_back(0, 1, 0);
+            // The right half is turned by a right angle.
+            const float u = 0.05f + 0.4f * float(x) / 5, v = 0.1f + 0.08f * float(z + 5);
+            floor.coordinates.push_back(side < 0 ? glm::vec2(u, v) : glm::vec2(0.55f + 0.4f * float(z + 5) / 10, 0.1f + 0.16f * float(x)));
+        }
+        for (const auto& [a, b, c] : {std::array{0u, 2u, 1u}, {0u, 3u, 2u}})
+            floor.triangles.push_back(side > 0 ? std::array{first + a, first + b, first + c} : std::array{first + a, first + c, first + b});
+    }
+    addBox(box, {-1, 0.5, -1}, {1, 1.5, 1}, 2);
+    for (size_t v = 0; v < box.positions.size(); ++v) {
+        const size_t face = v / 4;
+        const glm::vec3 n = box.normals[v], p = box.positions[v];
+        const glm::vec2 flat = std::abs(n.x) > 0.5f ? glm::vec2(p.y - 1, p.z / 2)
+                             : std::abs(n.y) > 0.5f ? glm::vec2(p.x, p.z) / 2.0f
+                                                    : glm::vec2(p.x / 2, p.y - 1);
+        box.coordinates.push_back((glm::vec2(face % 3, face / 3) + 0.5f + 0.7f * flat) / 3.0f);
+    }
+    scene.surfaces = {floor, box};
+    scene.instances = {{0}, {1}};
+    return scene;
+}
+
+BakeOptions optionsFor(int texels, int threads = 0) {
+    BakeOptions options;
+    options.at = At::Texels;
+    options.texels = texels;
+    options.threads = threads;
+    return options;
+}
+
+Asset baked(const Scene& scene, const BakeOptions& options) {
+    Asset out{scene, bakeScene(scene, Tracer(scene), options), {}};
+    out.info.at = "texels";
+    return out;
+}
+
+std::string refusalOf(const std::function<void()>& call) {
+    try {
+        call();
+    } catch (const Error& e) {
+        return e.what();
+    }
+    ADD_FAILURE() << "was accepted";
+    return {};
+}
+
+TEST(TexelCell, InterpolatesWhatIsLinearInTheImage) {
+    Random random(1);
+    for (const auto& [w, h] : {std::pair(1, 1), {2, 1}, {1, 3}, {7, 5}})
+        for (int k = 0; k < 1000; ++k) {
+            const glm::vec2 place(random(-1, w), random(-1, h));
+            const TexelCell cell = texelCellAt(place, w, h);
+            glm::vec3 sum(0);
+            for (int c = 0; c < 4; ++c) {
+                ASSERT_TRUE(cell.texels[c] >= 0 && cell.texels[c] < w * h && cell.weights[c] >= 0);
+                sum += cell.weights[c] * glm::vec3(1, cell.texels[c] % w, cell.texels[c] / w);
+            }
+            EXPECT_NEAR(sum.x, 1, 1e-6);
+            EXPECT_NEAR(sum.y, std::clamp(place.x, 0.0f, float(w - 1)), 1e-5);
+            EXPECT_NEAR(sum.z, std::clamp(place.y, 0.0f, float(h - 1)), 1e-5);
+        }
+}
+
+TEST(TexelMap, DrawnTexelsAreThoseThatFilteringReads) {
+    Random random(2);
+    for (int trial = 0; trial < 40; ++trial) {
+        Surface surface;
+        for (int v = 0; v < 3; ++v) {
+            surface.positions.emplace_back(v == 1, 0, v == 2);
+            surface.normals.emplace_back(0, 1, 0);
+            surface.coordinates.emplace_back(random(), trial % 4 == 0 ? 0.37 : random());  // some have no area in the image
+        }
+        surface.triangles = {{0, 1, 2}};
+        const int w = 9, h = 13;
+        std::set<int> read;
+        for (int k = 0; k < 40000; ++k) {
+            const double root = std::sqrt(random()), s = random();
+            const TexelCell cell = texelCell(surface, 0, glm::vec3(1 - root, root * (1 - s), root * s), w, h);
+            for (int c = 0; c < 4; ++c)
+                if (cell.weights[c] > 0) read.insert(cell.texels[c]);
+        }
+        const TexelMap map = mapTexels(surface, w, h);
+        size_t missed = 0;
+        for (int at = 0; at < w * h; ++at) {
+            EXPECT_LE(read.contains(at), map.isDrawn[size_t(at)]) << trial << ": " << at;
+            missed += map.isDrawn[size_t(at)] && !read.contains(at);
+            EXPECT_TRUE(map.isDrawn[map.from[size_t(at)]]);
+            EXPECT_EQ(map.texels[size_t(at)].triangle, 0);
+        }
+        EXPECT_LE(missed, 3u) << "of " << read.size() << " in trial " << trial;  // touched by less than the random points find
+    }
+}
+
+TEST(Png, SamplesComeBack) {
+    Random random(3);
+    for (const int bits : {8, 16}) {
+        RgbaImage image{13, 7, bits, {}};
+        for (int i = 0; i < 4 * 13 * 7; ++i) image.samples.push_back(uint16_t(random(0, bits == 8 ? 256 : 65536)));
+        const std::vector<unsigned char> bytes = encodePng(image);
+        const RgbaImage back = decodePng(bytes, "x");
+        EXPECT_EQ(back.width, 13);
+        EXPECT_EQ(back.bits, bits);
+        EXPECT_EQ(back.samples, image.samples);
+        for (size_t length = 0; length + 12 < bytes.size(); length += 3)  // the last twelve hold nothing
+            EXPECT_THROW(decodePng(std::span(bytes).first(length), "x"), Error) << "cut after " << length;
+    }
+}
+
+TEST(BakeTexels, DrawWhatFacesDrawAndHideTheSeam) {
+    const Scene scene = boxOverSeam();
+    const Asset asset = baked(scene, optionsFor(96, 1)), again = baked(scene, optionsFor(96, 3));
+    for (size_t i = 0; i < 2; ++i)
+        for (size_t k = 0; k < asset.seen[i].texels.visibility.size(); ++k)
+            ASSERT_EQ(asset.seen[i].texels.visibility[k].area, again.seen[i].texels.visibility[k].area);
+    MeasureOptions measure;
+    measure.models = {findModel("soft")};
+    measure.only = true;
+    measure.shadowMap = false;
+    measure.lightRadii = {5};
+    measure.receivers = 300;
+    const MeasureRow row = measureAsset(asset, measure).rows[0];
+    std::printf("box over a seam: own %.4f, in an image %.4f (sky %.4f)\n", row.own, row.rmse, row.ambient);
+    EXPECT_LT(row.rmse, 1.15 * row.own);
+    EXPECT_LT(row.ambient, 0.02);
+    // Under the box, where visibility changes along the seam, its two sides are alike.
+    double most = 0, change = 0, before = 0;
+    for (int k = 0; k <= 200; ++k) {
+        const float z = float(k) / 200;
+        const auto area = [&](int triangle, glm::vec3 w) {
+            return receiverAt(asset, *findModel("sh-l1"), 0, triangle, w, {0, 1, 0})[0].second.visibility.w / (2 * pi);
+        };
+        // Triangle 1 of the left half has its corners at z = -5, 5 and 5; that of the right half at -5, 5 and 5 as well.
+        const auto at = [&](int half) {
+            const auto& t = scene.surfaces[0].triangles[size_t(half)];
+            glm::vec3 w(0);
+            for (int c = 0; c < 3; ++c) {
+                const glm::vec3 p = scene.surfaces[0].positions[t[size_t(c)]];
+                if (p.x == 0) w[c] = p.z < 0 ? 1 - z : z;
+            }
+            return area(half, w);
+        };
+        const double left = at(1), right = at(3);
+        most = std::max(most, std::abs(left - right));
+        if (k > 0) change = std::max(change, std::abs(left - before));
+        before = left;
+    }
+    std::printf("the seam jumps by %.4f of the hemisphere at most\n", most);
+    EXPECT_LT(most, 0.01);
+    EXPECT_GT(change, 0.005);
+}
+
+TEST(TexelImages, ComeBackFromTheFileAndAreReplaced) {
+    const Folder folder;
+    Scene scene = boxOverSeam();
+    scene.instances.push_back({1, glm::mat4(0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 4, 0, 0, 1)});
+    for (const int bits : {8, 16}) {
+        Asset asset{scene, {}, {}};
+        asset.info.at = "texels", asset.info.bits = bits;
+        Random random(4);
+        for (size_t i = 0; i < scene.instances.size(); ++i) {
+            SeenByInstance& seen = asset.seen.emplace_back();
+            seen.visibility.resize(scene.surfaces[size_t(scene.instances[i].surface)].positions.size());
+            seen.texels = {5, 3 + int(i), {}, {}};
+            for (int k = 0; k < 5 * (3 + int(i)); ++k) {
+                const double area = random(0.1, 6);
+                seen.texels.visibility.push_back(
+                    {glm::vec3(random.direction() * random(0, 0.9) * area * (1 - area / (4 * pi))), float(area)});
+            }
+        }
+        writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
+        const Asset back = readAsset(folder / "a.glb");
+        EXPECT_EQ(back.info.at, "texels");
+        EXPECT_EQ(back.info.bits, bits);
+        EXPECT_EQ(visibilityBytes(back), visibilityBytes(asset));
+        for (size_t i = 0; i < scene.instances.size(); ++i) {
+            const SeenOnTexels &a = asset.seen[i].texels, &b = back.seen[i].texels;
+            ASSERT_EQ(a.height, b.height);
+            for (size_t k = 0; k < a.visibility.size(); ++k) {
+                EXPECT_NEAR(a.visibility[k].area, b.visibility[k].area, bits == 8 ? 0.03 : 2e-4);
+                EXPECT_LT(glm::length(a.visibility[k].direction - b.visibility[k].direction), bits == 8 ? 0.08 : 4e-4);
+            }
+        }
+        // A second bake replaces the first, and one of vertices alone leaves no image behind.
+        writeAsset(folder / "b.glb", back.scene, asset.seen, asset.info);
+        EXPECT_EQ(readGltf(folder / "b.glb").document->json["images"].size(), 3u);
+        BakedVisibility plain;
+        for (const SeenByInstance& seen : asset.seen) plain.push_back({seen.visibility, {}, {}, {}});
+        writeAsset(folder / "c.glb", back.scene, plain, {});
+        const Scene last = readGltf(folder / "c.glb");
+        for (const char* list : {"images", "textures", "samplers"}) EXPECT_FALSE(last.document->json.contains(list)) << list;
+        EXPECT_FALSE(hasTexels(readAsset(folder / "c.glb")));
+    }
+}
+
+TEST(TexelImages, ThatLieAreRefused) {
+    const Folder folder;
+    Scene scene = boxOverSeam();
+    BakedVisibility seen;
+    for (const Surface& surface : scene.surfaces) {
+        seen.push_back({std::vector<Visibility>(surface.positions.size()), {}, {}, {}});
+        seen.back().texels = {4, 4, std::vector<Visibility>(16), {}};
+    }
+    BakeInfo info;
+    info.at = "texels";
+    writeAsset(folder / "a.glb", scene, seen, info);
+    const auto refused = [&](const std::function<void(Json&)>& change, const char* cause) {
+        const std::string path = changed(folder, folder / "a.glb", change);
+        const std::string said = refusalOf([&] { readAsset(path); });
+        EXPECT_NE(said.find(path), std::string::npos) << said;
+        EXPECT_NE(said.find(cause), std::string::npos) << said;
+    };
+    const auto entry = [](Json& json) -> Json& { return json["asset"]["extras"]["apertura"]["texels"][0]; };
+    refused([&](Json& json) { entry(json)["texture"] = 7; }, "does not exist");
+    refused([&](Json& json) { entry(json)["texture"] = "x"; }, "does not exist");
+    refused([&](Json& json) { entry(json)["texCoord"] = 1; }, "texture coordinates");
+    refused([&](Json& json) { json["images"][0]["bufferView"] = 0; }, "PNG");
+    refused([&](Json& json) { json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0"); }, "texture coordinates");
+    refused(
+        [&](Json& json) {
+            json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json["meshes"][1]["primitives"][0]["attributes"]["TEXCOORD_0"];
+        },
+        "TEXCOORD_0");
+}
+
+TEST(BakeTexels, RefuseCoordinatesThatCannotHoldAnImage) {
+    const auto refusal = [](const std::function<void(Scene&)>& change, const char* recipe = "sh") {
+        Scene scene = boxOverSeam();
+        change(scene);
+        BakeOptions options = optionsFor(64);
+        options.recipe = recipe;
+        return refusalOf([&] { baked(scene, options); });
+    };
+    EXPECT_NE(refusal([](Scene& s) { s.surfaces[1].coordinates.clear(); }).find("no texture coordinates"), std::string::npos);
+    EXPECT_NE(refusal([](Scene& s) { s.surfaces[1].coordinates[3].x = 1.01f; }).find("outside 0..1"), std::string::npos);
+    EXPECT_NE(refusal([](Scene& s) { s.surfaces[0].coordinates[3].y = NAN; }).find("outside 0..1"), std::string::npos);
+    EXPECT_NE(refusal([](Scene&) {}, "firm-2").find("four numbers"), std::string::npos);
+    // The right half over the left one, as it is and mirrored: half of what is covered is covered twice, as seen by area.
+    for (const bool mirrored : {false, true}) {
+        const std::string said = refusal([&](Scene& s) {
+            for (size_t v = 0; v < 4; ++v) s.surfaces[0].coordinates[4 + v] = s.surfaces[0].coordinates[mirrored ? 3 - v : v];
+        });
+        EXPECT_NE(said.find("100 %"), std::string::npos) << said;
+    }
+}
+
+TEST(TexelImages, AreDrawn) {
+    const Gpu gpu;
+    Asset plain{boxOverSeam(), {}, {}}, imaged;
+    Random random(5);
+    for (const Surface& surface : plain.scene.surfaces) {
+        SeenByInstance& seen = plain.seen.emplace_back();
+        for (size_t v = 0; v < surface.positions.size(); ++v)
+            seen.visibility.push_back({glm::vec3(random.direction() * 0.5), float(random(1, 6))});
+    }
+    imaged = plain;
+    // Of the floor's left half, an image that is linear along the texture: what its vertices would make of it if they stored that.
+    const int side = 64;
+    const auto linear = [](const glm::vec2& c) { return Visibility{{0.3f * c.x, 0.2f + 2 * c.y, 0.1f}, 1 + 3 * c.x}; };
+    for (size_t i = 0; i < 2; ++i) {
+        const Surface& surface = plain.scene.surfaces[i];
+        for (size_t v = 0; v < surface.positions.size(); ++v) plain.seen[i].visibility[v] = linear(surface.coordinates[v]);
+        SeenOnTexels& texels = imaged.seen[i].texels;
+        texels = {side, side, {}, {}};
+        for (int k = 0; k < side * side; ++k) texels.visibility.push_back(linear((glm::vec2(k % side, k / side) + 0.5f) / float(side)));
+        setTexelNormals(plain.scene, i, mapTexels(surface, side, side), texels);
+    }
+    View view;
+    view.camera = {{7, 6, 9}, {0, 0.5f, 0}};
+    view.width = 160, view.height = 90;
+    view.lights = {directionalLight({0.4f, 0.8f, 0.3f}, 0.1, glm::vec3(2))};
+    const auto difference = [&](const char* name) {
+        const Picture a = Renderer(gpu, plain).draw(view, *findModel(name)), b = Renderer(gpu, imaged).draw(view, *findModel(name));
+        double most = 0, spread = 0;
+        for (size_t i = 0; i < a.pixels.size(); ++i)
+            most = std::max(most, double(std::abs(a.pixels[i].g - b.pixels[i].g))), spread = std::max(spread, double(a.pixels[i].g));
+        return most / spread;
+    };
+    EXPECT_LT(difference("sh-l1"), 2e-3);  // its light is linear in what is stored
+    for (Visibility& v : imaged.seen[0].texels.visibility) v = {glm::vec3(0), 0};
+    EXPECT_GT(difference("sh-l1"), 0.05);
+    // A model that does not mix takes the light of four texels, as receiverAt does.
+    const Model& aperture = *findModel("aperture");
+    EXPECT_EQ(receiverAt(imaged, aperture, 1, 0, glm::vec3(0.3f, 0.3f, 0.4f), {0, 1, 0}).size(), 4u);
+    EXPECT_GT(Renderer(gpu, imaged).draw(view, aperture).pixels.size(), 0u);
+}
+
+}  // namespace
+}  // namespace apertura::test
