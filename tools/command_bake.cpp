@@ -79,8 +79,8 @@ void run(const Arguments& a) {
             report.samples, little(report.error).c_str(), little(report.skyError).c_str(), report.tolerance, report.skyTolerance,
             double(report.rays + vertices * size_t(a.bake.rays)) / (double(vertices + report.samples) * a.bake.rays));
     if (texels.images > 0) {
-        std::printf("  images of %d x %d texels: %zu, of whose texels %.3g %% are drawn\n", a.bake.texels, a.bake.texels, texels.images,
-                    100 * double(texels.drawn) / double(texels.texels));
+        std::printf("  %zu %s of %zu texels, of which %.3g %% are drawn\n", texels.images, texels.images == 1 ? "image" : "images",
+                    texels.texels, 100 * double(texels.drawn) / double(texels.texels));
         if (texels.shared > kManyShared)
             std::printf(
                 "  %.3g %% of those are read on two charts, which see what the other one does: more texels, or more room between charts, "

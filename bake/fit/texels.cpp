@@ -9,6 +9,7 @@
 #include "bake/fit/least_squares.h"
 #include "bake/sampling/classes.h"
 #include "runtime/asset/error.h"
+#include "runtime/asset/png.h"
 #include "runtime/asset/texels.h"
 
 namespace apertura {
@@ -22,20 +23,22 @@ constexpr double kStitches = 2;         // points along such an edge, a texel
 constexpr double kMostOverlap = 0.001;  // of what the triangles cover
 constexpr float kSame = 1e-6f;          // texture coordinates that are the same
 
+glm::ivec2 sizeFor(const Surface& surface, int side) { return surface.grid.x > 0 ? surface.grid : glm::ivec2(side); }
+
 struct Texels {
     const Scene& scene;
     size_t instance;
-    int side;
     const Surface& surface;
+    glm::ivec2 size;
     TexelMap map;
     std::vector<uint32_t> charts;  // of each triangle, a number
 
-    Texels(const Scene& scene_, size_t instance_, int side_)
+    Texels(const Scene& scene_, size_t instance_, int side)
         : scene(scene_),
           instance(instance_),
-          side(side_),
           surface(scene_.surfaces[size_t(scene_.instances[instance_].surface)]),
-          map(mapTexels(surface, side_, side_)) {
+          size(sizeFor(surface, side)),
+          map(mapTexels(surface, size.x, size.y)) {
         Classes classes(surface.positions.size());
         for (const auto& t : surface.triangles)
             for (size_t c = 1; c < 3; ++c) classes.join(t[0], t[c]);
@@ -47,14 +50,15 @@ struct Texels {
         const auto& c = surface.triangles[t];
         const glm::dvec2 a = surface.coordinates[c[1]] - surface.coordinates[c[0]],
                          b = surface.coordinates[c[2]] - surface.coordinates[c[0]];
-        return 0.5 * std::abs(a.x * b.y - a.y * b.x) * side * side;
+        return 0.5 * std::abs(a.x * b.y - a.y * b.x) * size.x * size.y;
     }
     size_t probesOn(size_t t) const { return size_t(std::ceil(std::max(kFewestProbes, kProbesATexel * areaOf(t)))); }
 };
 
 // Adds `weight` times the texels about a point of a triangle.
-void addPoint(std::vector<Term>& terms, const Surface& surface, size_t t, const glm::vec3& barycentrics, int side, float weight) {
-    const TexelCell cell = texelCell(surface, t, barycentrics, side, side);
+void addPoint(std::vector<Term>& terms, const Surface& surface, size_t t, const glm::vec3& barycentrics, const glm::ivec2& size,
+              float weight) {
+    const TexelCell cell = texelCell(surface, t, barycentrics, size.x, size.y);
     for (int c = 0; c < 4; ++c) {
         const auto texel = uint32_t(cell.texels[c]);
         const auto found = std::find_if(terms.begin(), terms.end(), [&](const Term& term) { return term.first == texel; });
@@ -97,13 +101,13 @@ void stitch(LeastSquares& equations, const Texels& texels) {
                 };
                 if (apart(0) < kSame && apart(1) < kSame) break;
                 const float length = glm::distance(coordinatesAt(surface, t, here(0)), coordinatesAt(surface, t, here(1)))
-                                   * float(texels.side);
+                                   * float(std::max(texels.size.x, texels.size.y));
                 const int points = int(std::ceil(kStitches * length)) + 1;
                 for (int k = 0; k <= points; ++k) {
                     const float s = float(k) / float(points);
                     std::vector<Term> terms;
-                    addPoint(terms, surface, t, here(s), texels.side, 1);
-                    addPoint(terms, surface, size_t(other), there(s), texels.side, -1);
+                    addPoint(terms, surface, t, here(s), texels.size, 1);
+                    addPoint(terms, surface, size_t(other), there(s), texels.size, -1);
                     equations.close(terms, kStitch);
                 }
                 break;
@@ -120,23 +124,27 @@ void requireCharts(const Scene& scene, int side) {
         const std::string where = scene.name + ": mesh " + std::to_string(instance.surface);
         if (surface.coordinates.size() != surface.positions.size())
             throw Error(where + " has no texture coordinates, over which an image could lie");
-        requireMappable(surface, side, side, where);
+        const glm::ivec2 size = sizeFor(surface, side);
+        if (std::max(size.x, size.y) > kLargestPng)
+            throw Error(where + ": its image would have more than " + std::to_string(kLargestPng) + " texels a side");
+        requireMappable(surface, size.x, size.y, where);
         // Points of a grid, each strictly inside of how many triangles.
-        const int n = 2 * side;
-        std::vector<uint8_t> inside(size_t(n) * size_t(n), 0);
+        const glm::ivec2 n = 2 * size;
+        std::vector<uint8_t> inside(size_t(n.x) * size_t(n.y), 0);
         for (const auto& t : surface.triangles) {
-            const glm::dvec2 a = glm::dvec2(surface.coordinates[t[0]]) * double(n), b = glm::dvec2(surface.coordinates[t[1]]) * double(n),
-                             c = glm::dvec2(surface.coordinates[t[2]]) * double(n);
+            const glm::dvec2 a = glm::dvec2(surface.coordinates[t[0]]) * glm::dvec2(n),
+                             b = glm::dvec2(surface.coordinates[t[1]]) * glm::dvec2(n),
+                             c = glm::dvec2(surface.coordinates[t[2]]) * glm::dvec2(n);
             const auto cross = [](const glm::dvec2& u, const glm::dvec2& v) { return u.x * v.y - u.y * v.x; };
             const double area = cross(b - a, c - a);
             if (area == 0) continue;
             const auto first = [](double x) { return std::max(0, int(std::floor(x - 0.5))); };
-            const auto last = [&](double x) { return std::min(n - 1, int(std::ceil(x))); };
-            for (int y = first(std::min({a.y, b.y, c.y})); y <= last(std::max({a.y, b.y, c.y})); ++y)
-                for (int x = first(std::min({a.x, b.x, c.x})); x <= last(std::max({a.x, b.x, c.x})); ++x) {
+            const auto last = [](double x, int count) { return std::min(count - 1, int(std::ceil(x))); };
+            for (int y = first(std::min({a.y, b.y, c.y})); y <= last(std::max({a.y, b.y, c.y}), n.y); ++y)
+                for (int x = first(std::min({a.x, b.x, c.x})); x <= last(std::max({a.x, b.x, c.x}), n.x); ++x) {
                     const glm::dvec2 p(x + 0.5, y + 0.5);
                     if (std::min({cross(c - b, p - b) / area, cross(a - c, p - c) / area, cross(b - a, p - a) / area}) <= 1e-6) continue;
-                    uint8_t& count = inside[size_t(y) * size_t(n) + size_t(x)];
+                    uint8_t& count = inside[size_t(y) * size_t(n.x) + size_t(x)];
                     count = uint8_t(std::min(count + 1, 2));
                 }
         }
@@ -175,7 +183,7 @@ TexelReport bakeTexels(const Scene& scene, const Prober& prober, int side, Baked
         for (size_t t = 0; t < probes.size(); ++t)
             for (const Probe& probe : probes[t]) {
                 std::vector<Term> terms;
-                addPoint(terms, surface, t, probe.weights, side, 1);
+                addPoint(terms, surface, t, probe.weights, texels.size, 1);
                 for (const Term& term : terms) {
                     uint32_t& chart = chartOf[term.first];
                     isShared[term.first] = isShared[term.first] || (chart != UINT32_MAX && chart != texels.charts[t]);
@@ -184,16 +192,17 @@ TexelReport bakeTexels(const Scene& scene, const Prober& prober, int side, Baked
                 if (!probe.buried) equations.add(terms, probe.mean());
             }
         const auto chart = [&](size_t at) { return texels.charts[size_t(map.texels[at].triangle)]; };
-        for (int y = 0; y < side; ++y)
-            for (int x = 0; x < side; ++x) {
-                const auto at = uint32_t(y * side + x);
-                for (const auto& [inside, next] : {std::pair(x + 1 < side, at + 1), {y + 1 < side, at + uint32_t(side)}})
+        const auto [width, height] = std::pair(texels.size.x, texels.size.y);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const auto at = uint32_t(y * width + x);
+                for (const auto& [inside, next] : {std::pair(x + 1 < width, at + 1), {y + 1 < height, at + uint32_t(width)}})
                     if (inside && map.isDrawn[at] && map.isDrawn[next] && chart(at) == chart(next)) equations.tie(at, next, kTie);
             }
         stitch(equations, texels);
         const std::vector<Visibility> fitted = equations.solve();
         SeenOnTexels& seen = out[i].texels;
-        seen = {side, side, {}, {}};
+        seen = {width, height, {}, {}};
         for (const uint32_t from : map.from) seen.visibility.push_back(fitted[from]);
         setTexelNormals(scene, i, map, seen);
         ++report.images;

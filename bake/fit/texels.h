@@ -11,10 +11,11 @@ struct TexelReport {
 };
 
 // Throws Error naming the scene and the mesh unless every instance has texture coordinates, within 0..1, whose triangles lie over each
-// other in no more than a thousandth of what they cover. `side`: texels of each image across and down.
+// other in no more than a thousandth of what they cover. `side`: texels of each image across and down,
+// unless it is that of a height map, which has the map's own.
 void requireCharts(const Scene& scene, int side);
 
-// Fits one image of side x side texels to each instance, to about three probes a texel. Where charts meet on the surface, both sides are
+// Fits an image to each instance, to about three probes a texel. Where charts meet on the surface, both sides are
 // drawn to be the same along the edge. The result does not depend on the number of threads. Throws Cancelled.
 TexelReport bakeTexels(const Scene& scene, const Prober& prober, int side, BakedVisibility& out, const Progress& progress);
 

@@ -151,7 +151,7 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
     return map;
 }
 
-Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
+Scene loadHeightMap(const std::string& path, const HeightMapOptions& options, Coordinates coordinates) {
     HeightMap map;
     const auto send = [&](PipeWriter& out) {
         const HeightMap read = readHeights(path, options);
@@ -178,6 +178,8 @@ Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
                 vertex[at(x, y)] = uint32_t(surface.positions.size());
                 surface.positions.emplace_back(float(x0 + x * options.spacingX), float(h * options.verticalScale),
                                                float(z0 + y * options.spacingZ));
+                if (coordinates == Coordinates::Read)
+                    surface.coordinates.emplace_back((float(x) + 0.5f) / float(map.width), (float(y) + 0.5f) / float(map.height));
             }
     for (int y = 0; y + 1 < map.height; ++y)
         for (int x = 0; x + 1 < map.width; ++x) {
@@ -186,6 +188,7 @@ Scene loadHeightMap(const std::string& path, const HeightMapOptions& options) {
             if (b != UINT32_MAX && c != UINT32_MAX && d != UINT32_MAX) surface.triangles.push_back({b, c, d});
         }
     makeNormals(surface);
+    if (coordinates == Coordinates::Read) surface.grid = {map.width, map.height};
     scene.surfaces.push_back(std::move(surface));
     scene.instances.push_back({0});
     validate(scene);

@@ -34,7 +34,7 @@ Scene loadScene(const std::string& name, const HeightMapOptions& options, Coordi
     static const std::set<std::string> meshes{".obj", ".ply", ".stl"};
     if (ending == ".glb" || ending == ".gltf") return readGltf(name);
     if (meshes.contains(ending)) return loadMeshFile(name, coordinates);
-    if (isHeightMap(name)) return loadHeightMap(name, options);
+    if (isHeightMap(name)) return loadHeightMap(name, options, coordinates);
     throw Error(name + ": unknown kind of file; scenes are .glb .gltf .obj .ply .stl, height maps .png .tif .exr, or "
                        "builtin:NAME");
 }

@@ -15,7 +15,7 @@ struct HeightMapOptions {
     bool terrainRgb = false;            // the height is -10000 + 0.1 (65536 R + 256 G + B) metres
 };
 
-// Whether texture coordinates are read from meshes of other kinds than glTF, whose vertices they split.
+// Whether texture coordinates are read from meshes of other kinds than glTF, whose vertices they split, and made for height maps.
 enum class Coordinates { Ignore, Read };
 
 // Reads a scene and checks it with validate().
@@ -28,8 +28,8 @@ Scene loadScene(const std::string& name, const HeightMapOptions& options = {}, C
 bool isHeightMap(const std::string& path);
 
 // loadScene calls one of these for each kind. They throw as it does.
-Scene loadMeshFile(const std::string& path, Coordinates coordinates);           // .obj .ply .stl, by assimp
-Scene loadHeightMap(const std::string& path, const HeightMapOptions& options);  // by OpenImageIO
-Scene makeBuiltin(const std::string& name);                                     // one of builtinNames
+Scene loadMeshFile(const std::string& path, Coordinates coordinates);                                    // .obj .ply .stl, by assimp
+Scene loadHeightMap(const std::string& path, const HeightMapOptions& options, Coordinates coordinates);  // by OpenImageIO
+Scene makeBuiltin(const std::string& name);                                                              // one of builtinNames
 
 }  // namespace apertura

@@ -18,6 +18,7 @@ struct Surface {
     std::vector<glm::vec3> normals;    // unit, one per position
     std::vector<std::array<uint32_t, 3>> triangles;
     std::vector<glm::vec2> coordinates;  // of textures, one per position, v downwards, as the file has them; empty: it has none
+    glm::ivec2 grid{0};                  // texels of the height map that it was made of, over which its coordinates lie; 0: of none
     int coordinateSet = 0;               // which of the file's: TEXCOORD_1 where there is one, else TEXCOORD_0
     bool normalsMade = false;            // computed here: the file has no normals, or its compressed ones are not unit
     std::vector<uint32_t> splitFrom;     // if vertices were split: the file's vertex that each came from; else empty

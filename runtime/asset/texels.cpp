@@ -5,13 +5,14 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <numbers>
 
 #include "runtime/asset/png.h"
-#include "sh/packing.h"
 
 namespace apertura {
 namespace {
 
+constexpr auto kPi = std::numbers::pi_v<float>;
 constexpr double kMostCover = 256;    // times an image's area that the boxes about its triangles may have together
 const char* const kEntry = "texels";  // of asset.extras.apertura
 
@@ -82,34 +83,39 @@ void fillGutters(TexelMap& map) {
         if (map.from[i] != none) map.texels[i] = map.texels[map.from[i]];
 }
 
-// The four numbers as samples of the image: signed codes, moved to positive ones.
-template <typename Packed>
-void putCodes(RgbaImage& image, const Packed& packed) {
-    const int middle = 1 << (image.bits - 1);
-    for (const auto code : packed) image.samples.push_back(uint16_t(int(code) + middle));
-}
+// What an image stores of a point: D / pi and A / pi - 1, each -1..1. They are linear in visibility, so that whatever filters an image
+// filters that. (D / A and the root of A, which vertices store, err a quarter more of the sky between texels, and a third more down the
+// mips: tools/storage.md.)
+glm::vec4 storedOf(const Visibility& v) { return {v.direction / kPi, v.area / kPi - 1}; }
+Visibility visibilityOf(const glm::vec4& stored) { return clampToPossible({kPi * glm::vec3(stored), kPi * (stored.w + 1)}); }
+
+// Signed codes of `bits` bits, moved to positive ones.
+struct Codes {
+    explicit Codes(int bits) : middle(1 << (bits - 1)), most(float(middle - 1)) {}
+    uint16_t code(float number) const { return uint16_t(middle + int(std::lround(most * std::clamp(number, -1.0f, 1.0f)))); }
+    float number(uint16_t code) const { return std::max(float(int(code) - middle) / most, -1.0f); }
+    int middle;
+    float most;
+};
 
 RgbaImage imageOf(const SeenOnTexels& seen, const glm::mat3& toLocal, int bits) {
     RgbaImage out{seen.width, seen.height, bits, {}};
     out.samples.reserve(4 * seen.visibility.size());
+    const Codes codes(bits);
     for (const Visibility& v : seen.visibility) {
-        const Visibility own{toLocal * v.direction, v.area};
-        if (bits == 16)
-            putCodes(out, pack16(own));
-        else
-            putCodes(out, pack8(own));
+        const glm::vec4 stored = storedOf({toLocal * v.direction, v.area});
+        for (int c = 0; c < 4; ++c) out.samples.push_back(codes.code(stored[c]));
     }
     return out;
 }
 
 SeenOnTexels seenIn(const RgbaImage& image, const glm::mat3& toWorld) {
     SeenOnTexels out{image.width, image.height, {}, {}};
-    const int middle = 1 << (image.bits - 1);
-    const auto most = float(middle - 1);
+    const Codes codes(image.bits);
     for (size_t i = 0; i + 3 < image.samples.size(); i += 4) {
-        glm::vec4 numbers;
-        for (int c = 0; c < 4; ++c) numbers[c] = std::max(float(int(image.samples[i + size_t(c)]) - middle) / most, -1.0f);
-        Visibility v = unpack(numbers);
+        glm::vec4 stored;
+        for (int c = 0; c < 4; ++c) stored[c] = codes.number(image.samples[i + size_t(c)]);
+        Visibility v = visibilityOf(stored);
         v.direction = toWorld * v.direction;
         out.visibility.push_back(v);
     }
