@@ -178,6 +178,37 @@ TEST(BakeTexels, DrawWhatFacesDrawAndHideTheSeam) {
     EXPECT_GT(change, 0.005);
 }
 
+// What an image takes in the file is compressed, what samples on faces take is not: both as they are.
+TEST(BakeTexels, ErrAsSamplesOnFacesDoForTheSameBytes) {
+    if (kSanitized) GTEST_SKIP() << "takes minutes";
+    const Folder folder;
+    const std::string given = APERTURA_SOURCE "/tests/data/arcade.glb";
+    const Scene scene = readGltf(given);
+    EXPECT_EQ(scene.surfaces[0].coordinateSet, 1);
+    const auto measured = [&](At at) {
+        BakeOptions options = optionsFor(144);
+        options.at = at;
+        BakeInfo info;
+        info.at = at == At::Texels ? "texels" : "faces";
+        writeAsset(folder / "a.glb", scene, bakeScene(scene, Tracer(scene), options), info);
+        MeasureOptions measure;
+        measure.models = {findModel("soft")};
+        measure.only = true;
+        measure.shadowMap = false;
+        measure.lightRadii = {5};
+        measure.receivers = 900;
+        return std::pair(measureAsset(readAsset(folder / "a.glb"), measure).rows[0],
+                         double(std::filesystem::file_size(folder / "a.glb") - std::filesystem::file_size(given)));
+    };
+    const auto [faces, faceBytes] = measured(At::Faces);
+    const auto [image, imageBytes] = measured(At::Texels);
+    std::printf("arcade: on faces %.4f (sky %.4f) in %.0f bytes, in images %.4f (%.4f) in %.0f\n", faces.rmse, faces.ambient, faceBytes,
+                image.rmse, image.ambient, imageBytes);
+    EXPECT_LT(imageBytes, faceBytes);
+    EXPECT_LT(image.rmse, 1.1 * faces.rmse);
+    EXPECT_LT(image.ambient, 0.022);
+}
+
 TEST(TexelImages, ComeBackFromTheFileAndAreReplaced) {
     const Folder folder;
     Scene scene = boxOverSeam();

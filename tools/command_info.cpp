@@ -13,6 +13,8 @@
 namespace apertura {
 namespace {
 
+constexpr size_t kImagesShown = 4;  // of whose images the size is printed
+
 // The choices of `auto`: the fraction of vertices and samples with each model, and of those where none came within the tolerance.
 nlohmann::ordered_json describeChoices(const Asset& asset) {
     std::vector<size_t> counts(models().size());
@@ -59,6 +61,9 @@ nlohmann::ordered_json describe(const std::string& file) {
         if (count > 0) bySteps[std::to_string(latticeSteps(level))] = count;
         samples += count;
     }
+    nlohmann::ordered_json images = nlohmann::json::array();
+    for (const SeenByInstance& seen : asset.seen)
+        if (!seen.texels.visibility.empty()) images.push_back({seen.texels.width, seen.texels.height});
     const PackingError error = packingError(asset.info.bits);
     nlohmann::ordered_json out{{"file", file},
                                {"version", asset.info.version},
@@ -76,6 +81,7 @@ nlohmann::ordered_json describe(const std::string& file) {
                                {"at", asset.info.at},
                                {"samples", samples},
                                {"samples_by_steps", bySteps},
+                               {"images", images},
                                {"unmet_area", asset.info.unmetArea},
                                {"mean_open", area / double(vertices)},
                                {"mean_capness", cap / double(vertices)},
@@ -108,6 +114,13 @@ void print(const nlohmann::ordered_json& d) {
         std::printf("\n");
         if (d["unmet_area"].get<double>() > 0)
             std::printf("                %.3g %% of the surface errs more than was asked for\n", 100 * d["unmet_area"].get<double>());
+    }
+    if (const auto& images = d["images"]; !images.empty()) {
+        std::printf("  in images     of");
+        for (size_t i = 0; i < std::min<size_t>(images.size(), kImagesShown); ++i)
+            std::printf("%s %d x %d", i > 0 ? "," : "", images[i][0].get<int>(), images[i][1].get<int>());
+        if (images.size() > kImagesShown) std::printf(" and %zu more", images.size() - kImagesShown);
+        std::printf(" texels\n");
     }
     if (d.contains("notes"))
         for (const auto& note : d["notes"]) std::printf("  note          %s\n", printable(note.get<std::string>()).c_str());
