@@ -300,7 +300,7 @@ TEST(Cli, AssetsPassTheKhronosValidator) {
     if (!std::getenv("GLTF_VALIDATOR")) GTEST_SKIP() << "the Khronos glTF validator is not here (tools/test installs it)";
     const Folder folder;
     // Only valid files: faults in the content of an input would be kept.
-    std::vector<std::string> scenes{"builtin:canyon"};
+    std::vector<std::string> scenes{"builtin:canyon", APERTURA_SOURCE "/tests/data/arcade.glb --at texels --texels 32"};
     if (fs::exists(dataFolder()))
         for (const char* file : {"gltf/BoxInterleaved.glb", "gltf/CesiumMilkTruck.glb", "gltf/CesiumMilkTruck_quantized.glb",
                                  "gltf/MultiUVTest/MultiUVTest.gltf", "gltf/SimpleMeshes_embedded.gltf",

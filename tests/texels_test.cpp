@@ -11,6 +11,7 @@
 #include "runtime/asset/png.h"
 #include "runtime/asset/receiver.h"
 #include "runtime/asset/texels.h"
+#include "runtime/render/geometry.h"
 #include "runtime/render/renderer.h"
 #include "tests/changed_gltf.h"
 #include "tests/support.h"
@@ -220,7 +221,7 @@ TEST(TexelImages, ComeBackFromTheFileAndAreReplaced) {
         for (size_t i = 0; i < scene.instances.size(); ++i) {
             SeenByInstance& seen = asset.seen.emplace_back();
             seen.visibility.resize(scene.surfaces[size_t(scene.instances[i].surface)].positions.size());
-            seen.texels = {5, 3 + int(i), {}, {}};
+            seen.texels = {5, 3 + int(i), {}, {}, bits};
             for (int k = 0; k < 5 * (3 + int(i)); ++k) {
                 const double area = random(0.1, 6);
                 seen.texels.visibility.push_back(
@@ -259,7 +260,7 @@ TEST(TexelImages, ThatLieAreRefused) {
     BakedVisibility seen;
     for (const Surface& surface : scene.surfaces) {
         seen.push_back({std::vector<Visibility>(surface.positions.size()), {}, {}, {}});
-        seen.back().texels = {4, 4, std::vector<Visibility>(16), {}};
+        seen.back().texels = {4, 4, std::vector<Visibility>(16), {}, 8};
     }
     BakeInfo info;
     info.at = "texels";
@@ -271,9 +272,10 @@ TEST(TexelImages, ThatLieAreRefused) {
         EXPECT_NE(said.find(cause), std::string::npos) << said;
     };
     const auto entry = [](Json& json) -> Json& { return json["asset"]["extras"]["apertura"]["texels"][0]; };
-    refused([&](Json& json) { entry(json)["texture"] = 7; }, "does not exist");
-    refused([&](Json& json) { entry(json)["texture"] = "x"; }, "does not exist");
+    refused([&](Json& json) { entry(json)["texture"] = 7; }, "not there any more");
+    refused([&](Json& json) { entry(json)["texture"] = "x"; }, "not there any more");
     refused([&](Json& json) { entry(json)["texCoord"] = 1; }, "texture coordinates");
+    refused([&](Json& json) { json["images"][0]["name"] = "basecolour"; }, "not there any more");
     refused([&](Json& json) { json["images"][0]["bufferView"] = 0; }, "PNG");
     refused([&](Json& json) { json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0"); }, "texture coordinates");
     refused(
@@ -281,6 +283,53 @@ TEST(TexelImages, ThatLieAreRefused) {
             json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json["meshes"][1]["primitives"][0]["attributes"]["TEXCOORD_0"];
         },
         "TEXCOORD_0");
+}
+
+// Whatever other programs have left of the images, a bake of vertices takes out what is surely ours and keeps the rest.
+TEST(TexelImages, ThatWereDamagedAreBakedOver) {
+    const Folder folder;
+    const Scene scene = boxOverSeam();
+    BakedVisibility seen, plain;
+    for (const Surface& surface : scene.surfaces) {
+        seen.push_back({std::vector<Visibility>(surface.positions.size()), {}, {}, {}});
+        plain.push_back(seen.back());
+        seen.back().texels = {4, 4, std::vector<Visibility>(16), {}, 8};
+    }
+    BakeInfo info;
+    info.at = "texels";
+    writeAsset(folder / "a.glb", scene, seen, info);
+    const auto bakedOver = [&](const std::function<void(Json&)>& change) {
+        const Scene damaged = readGltf(changed(folder, folder / "a.glb", change));
+        writeAsset(folder / "b.glb", damaged, plain, {});
+        return readGltf(folder / "b.glb").document->json;
+    };
+    const auto texels = [](Json& json) -> Json& { return json["asset"]["extras"]["apertura"]["texels"]; };
+    const auto without = [](Json& json) { json.erase("textures"), json.erase("images"), json.erase("samplers"); };
+    for (const Json& entries :
+         {Json::array({Json::object()}), Json::array({nullptr}), Json(7), Json::object(), Json::array({{{"texture", -1}}})}) {
+        EXPECT_FALSE(bakedOver([&](Json& json) { without(json), texels(json) = entries; }).contains("textures"));
+        EXPECT_EQ(bakedOver([&](Json& json) { texels(json) = entries; })["textures"].size(), 2u);
+    }
+    EXPECT_EQ(bakedOver([&](Json& json) { json["images"][1]["name"] = 5; })["images"].size(), 2u);
+    EXPECT_FALSE(bakedOver([&](Json& json) {
+                     json.erase("samplers"), json["textures"][0].erase("sampler"), json["textures"][1].erase("sampler");
+                 }).contains("textures"));
+    // A material that uses one keeps it, and what stands before it.
+    const Json used = bakedOver([&](Json& json) { json["materials"] = Json::array({{{"emissiveTexture", {{"index", 1}}}}}); });
+    EXPECT_EQ(used["textures"].size(), 2u);
+    EXPECT_EQ(used["samplers"].size(), 1u);
+    // Another set of coordinates changes nothing: the image names its own.
+    const Asset added = readAsset(changed(folder, folder / "a.glb", [](Json& json) {
+        for (Json& mesh : json["meshes"]) {
+            Json& attributes = mesh["primitives"][0]["attributes"];
+            attributes["TEXCOORD_1"] = attributes["TEXCOORD_0"];
+        }
+    }));
+    EXPECT_EQ(added.scene.surfaces[0].coordinateSet, 0);
+    // An instance without its image goes by its vertices, and the file says so.
+    const Asset one = readAsset(changed(folder, folder / "a.glb", [&](Json& json) { texels(json).erase(1); }));
+    EXPECT_EQ(one.scene.notes.size(), 1u);
+    EXPECT_TRUE(one.seen[1].texels.visibility.empty());
 }
 
 TEST(BakeTexels, RefuseCoordinatesThatCannotHoldAnImage) {
@@ -295,6 +344,10 @@ TEST(BakeTexels, RefuseCoordinatesThatCannotHoldAnImage) {
     EXPECT_NE(refusal([](Scene& s) { s.surfaces[1].coordinates[3].x = 1.01f; }).find("outside 0..1"), std::string::npos);
     EXPECT_NE(refusal([](Scene& s) { s.surfaces[0].coordinates[3].y = NAN; }).find("outside 0..1"), std::string::npos);
     EXPECT_NE(refusal([](Scene&) {}, "firm-2").find("four numbers"), std::string::npos);
+    EXPECT_NE(refusal([](Scene& s) {
+                  s.surfaces[1].coordinates.assign(s.surfaces[1].positions.size(), glm::vec2(0.5f));
+              }).find("100 % of its surface"),
+              std::string::npos);
     // The right half over the left one, as it is and mirrored: half of what is covered is covered twice, as seen by area.
     for (const bool mirrored : {false, true}) {
         const std::string said = refusal([&](Scene& s) {
@@ -321,7 +374,7 @@ TEST(TexelImages, AreDrawn) {
         const Surface& surface = plain.scene.surfaces[i];
         for (size_t v = 0; v < surface.positions.size(); ++v) plain.seen[i].visibility[v] = linear(surface.coordinates[v]);
         SeenOnTexels& texels = imaged.seen[i].texels;
-        texels = {side, side, {}, {}};
+        texels = {side, side, {}, {}, 8};
         for (int k = 0; k < side * side; ++k) texels.visibility.push_back(linear((glm::vec2(k % side, k / side) + 0.5f) / float(side)));
         setTexelNormals(plain.scene, i, mapTexels(surface, side, side), texels);
     }
@@ -339,10 +392,15 @@ TEST(TexelImages, AreDrawn) {
     EXPECT_LT(difference("sh-l1"), 2e-3);  // its light is linear in what is stored
     for (Visibility& v : imaged.seen[0].texels.visibility) v = {glm::vec3(0), 0};
     EXPECT_GT(difference("sh-l1"), 0.05);
-    // A model that does not mix takes the light of four texels, as receiverAt does.
-    const Model& aperture = *findModel("aperture");
-    EXPECT_EQ(receiverAt(imaged, aperture, 1, 0, glm::vec3(0.3f, 0.3f, 0.4f), {0, 1, 0}).size(), 4u);
-    EXPECT_GT(Renderer(gpu, imaged).draw(view, aperture).pixels.size(), 0u);
+    // A model that does not mix takes the light of four texels, as receiverAt does: where all see the same, that of the vertices.
+    EXPECT_EQ(receiverAt(imaged, *findModel("aperture"), 1, 0, glm::vec3(0.3f, 0.3f, 0.4f), {0, 1, 0}).size(), 4u);
+    for (Asset* asset : {&plain, &imaged})
+        for (SeenByInstance& seen : asset->seen)
+            for (auto* all : {&seen.visibility, &seen.texels.visibility})
+                for (Visibility& v : *all) v = {{0.3f, 0.9f, 0.2f}, 3};
+    EXPECT_LT(difference("aperture"), 2e-3);
+    // An image that no part of the geometry can hold is in one part with all its triangles.
+    EXPECT_EQ(splitGeometry(imaged, {.vertices = 1000, .samples = 100, .triangles = 1000}).size(), 2u);
 }
 
 }  // namespace

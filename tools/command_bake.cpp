@@ -177,6 +177,8 @@ void addBakeCommand(CLI::App& program) {
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
         if (command.count("--tolerance") > 0 && a->model != "auto") throw CLI::ValidationError("--tolerance is for --model auto");
         if (command.count("--texels") > 0 && a->at != "texels") throw CLI::ValidationError("--texels is for --at texels");
+        if (command.count("--texels") > 0 && isHeightMap(a->scene))
+            throw CLI::ValidationError("--texels is not for height maps, whose images have a texel for each of theirs");
         if (!a->at.empty() && a->at != "faces" && (a->bake.storageTolerance > 0 || a->bake.maxBytes > 0))
             throw CLI::ValidationError("--storage-tolerance and --max-bytes are for --at faces");
         a->bake.at = a->at == "vertices" ? At::Vertices : a->at == "texels" ? At::Texels : At::Faces;

@@ -144,7 +144,8 @@ void print(const nlohmann::ordered_json& d) {
                 d["mean_open"].get<double>(), d["mean_capness"].get<double>(), d["closed_vertices"].get<size_t>());
     const auto& e = d["error_bounds"];
     std::printf(
-        "  error bounds  of the four numbers: area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap), radius %.3f "
+        "  error bounds  of the four numbers at vertices: area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap), "
+        "radius %.3f "
         "degrees\n",
         e["area_of_hemisphere"].get<double>(), e["direction"].get<double>(), e["direction_degrees_of_a_cap"].get<double>(),
         e["radius_degrees"].get<double>());

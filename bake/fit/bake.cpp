@@ -166,7 +166,7 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     const FitOptions fitOptions{options.tolerance, found.lambda, options.price, scene.isTerrain};
     const Progress probing = options.at == At::Faces ? part(progress, 0.4, 0.5) : part(progress, share, options.at == At::Texels ? 0.4 : 1);
     Faces faces(scene, prober, out, options.at == At::Texels ? At::Vertices : options.at, options.seed, probing);
-    if (issues && options.at == At::Faces) issues->large = 0;  // samples on them hold what their vertices cannot
+    if (issues && options.at != At::Vertices) issues->large = 0;  // samples on them, or texels, hold what their vertices cannot
     if (faces.empty()) return out;
     if (options.at != At::Faces) {
         out = faces.fit();

@@ -21,7 +21,10 @@ constexpr float kTie = 0.03f;           // how strongly neighbouring texels of a
 constexpr float kStitch = 16;           // and the two sides of an edge where charts meet, at each of the points along it
 constexpr double kStitches = 2;         // points along such an edge, a texel
 constexpr double kMostOverlap = 0.001;  // of what the triangles cover
-constexpr float kSame = 1e-6f;          // texture coordinates that are the same
+constexpr double kNoPlace = 1e-6;       // texels that a triangle covers when it has no place in the image,
+constexpr double kMostWithout = 0.001;  // and the fraction of the surface that may be so
+constexpr double kBytesFitted = 450, kBytesKept = 40;  // a texel takes while its image is fitted, and then
+constexpr float kSame = 1e-6f;                         // texture coordinates that are the same
 
 glm::ivec2 sizeFor(const Surface& surface, int side) { return surface.grid.x > 0 ? surface.grid : glm::ivec2(side); }
 
@@ -118,6 +121,13 @@ void stitch(LeastSquares& equations, const Texels& texels) {
 }  // namespace
 
 void requireCharts(const Scene& scene, int side) {
+    double most = 0, all = 0;  // texels of one instance, and of all
+    for (const Instance& instance : scene.instances) {
+        const glm::ivec2 size = sizeFor(scene.surfaces[size_t(instance.surface)], side);
+        most = std::max(most, double(size.x) * size.y);
+        all += double(size.x) * size.y;
+    }
+    requireMemory(scene.name, "its images", kBytesFitted * most + kBytesKept * all);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
         const Surface& surface = scene.surfaces[size_t(instance.surface)];
@@ -148,14 +158,29 @@ void requireCharts(const Scene& scene, int side) {
                     count = uint8_t(std::min(count + 1, 2));
                 }
         }
+        double area = 0, without = 0;
+        for (size_t t = 0; t < surface.triangles.size(); ++t) {
+            const std::array<glm::dvec3, 3> c = cornersOf(scene, int(i), int(t));
+            const auto& v = surface.triangles[t];
+            const glm::dvec2 a = surface.coordinates[v[1]] - surface.coordinates[v[0]],
+                             b = surface.coordinates[v[2]] - surface.coordinates[v[0]];
+            const double own = glm::length(glm::cross(c[1] - c[0], c[2] - c[0]));
+            area += own;
+            if (std::abs(a.x * b.y - a.y * b.x) * size.x * size.y <= kNoPlace) without += own;
+        }
+        const auto percent = [](double share) {
+            char text[32];
+            std::snprintf(text, sizeof text, "%.3g", 100 * share);
+            return std::string(text);
+        };
+        if (without > kMostWithout * area)
+            throw Error(where + ": " + percent(without / area)
+                        + " % of its surface has no place in the image: coordinates that are all the same");
         const auto once = double(inside.size() - size_t(std::count(inside.begin(), inside.end(), 0)));
         const auto twice = double(std::count(inside.begin(), inside.end(), 2));
-        if (twice > kMostOverlap * once) {
-            char share[32];
-            std::snprintf(share, sizeof share, "%.3g", 100 * twice / once);
-            throw Error(where + ": " + share
+        if (twice > kMostOverlap * once)
+            throw Error(where + ": " + percent(twice / once)
                         + " % of what its triangles cover in the image is covered twice; each needs a place of its own");
-        }
     }
 }
 
@@ -199,10 +224,12 @@ TexelReport bakeTexels(const Scene& scene, const Prober& prober, int side, Baked
                 for (const auto& [inside, next] : {std::pair(x + 1 < width, at + 1), {y + 1 < height, at + uint32_t(width)}})
                     if (inside && map.isDrawn[at] && map.isDrawn[next] && chart(at) == chart(next)) equations.tie(at, next, kTie);
             }
+        counter.throwIfStopped();
         stitch(equations, texels);
+        throwIfStopped(progress, 1);
         const std::vector<Visibility> fitted = equations.solve();
         SeenOnTexels& seen = out[i].texels;
-        seen = {width, height, {}, {}};
+        seen = {width, height, {}, {}, 8};
         for (const uint32_t from : map.from) seen.visibility.push_back(fitted[from]);
         setTexelNormals(scene, i, map, seen);
         ++report.images;

@@ -433,7 +433,7 @@ size_t visibilityBytes(const Asset& asset) {
     const Model* stored = storedModel(asset.info);
     size_t out = bytesOfFaces(asset.scene, asset.seen, stored, asset.info.bits);
     for (const SeenByInstance& seen : asset.seen) {
-        out += (seen.visibility.size() + seen.texels.visibility.size()) * size_t(asset.info.bits / 2);
+        out += seen.visibility.size() * size_t(asset.info.bits / 2) + seen.texels.visibility.size() * size_t(seen.texels.bits / 2);
         for (const ModelParams& params : seen.allParams)
             out += size_t(storedNumbers(chosenModel(*stored, params)) * asset.info.bits / 8 + (stored->kind == ModelKind::Choice));
     }

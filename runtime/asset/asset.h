@@ -46,6 +46,7 @@ struct SeenOnTexels {
     int width = 0, height = 0;
     std::vector<Visibility> visibility;  // one per texel; empty: there is no image
     std::vector<glm::vec3> normals;      // unit, world: about which each looks. They are not stored: setTexelNormals
+    int bits = 8;                        // of a number in the file that it was read from
 };
 
 // Visibility of one instance, with directions in world space.

@@ -103,7 +103,7 @@ Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
     surface.triangles = triangulate(indices, mode);
     for (const int set : {1, 0}) {
         const auto found = attributes.find("TEXCOORD_" + std::to_string(set));
-        if (found == attributes.end()) continue;
+        if (found == attributes.end() || document.json["accessors"][found->get<size_t>()]["type"] != "VEC2") continue;
         const std::vector<float> values = readAccessor(document, found->get<size_t>(), 2);
         for (size_t v = 0; v + 1 < values.size(); v += 2) surface.coordinates.emplace_back(values[v], values[v + 1]);
         surface.coordinateSet = set;

@@ -8,7 +8,6 @@
 #include <new>
 
 #include "runtime/asset/error.h"
-#include "runtime/asset/scene.h"
 
 namespace apertura {
 namespace {
@@ -20,6 +19,10 @@ Context makeContext(int flags) {
     Context out(spng_ctx_new(flags), spng_ctx_free);
     if (!out) throw std::bad_alloc();
     return out;
+}
+
+void check(int status, const std::string& name) {
+    if (status != 0) throw Error(name + ": cannot be read as PNG: " + spng_strerror(status));
 }
 
 size_t samplesOf(const RgbaImage& image) { return 4 * size_t(image.width) * size_t(image.height); }
@@ -46,32 +49,43 @@ std::vector<unsigned char> encodePng(const RgbaImage& image) {
     return {begin, begin + length};
 }
 
-RgbaImage decodePng(std::span<const unsigned char> bytes, const std::string& name) {
-    const Context context = makeContext(0);
-    const auto check = [&](int status) {
-        if (status != 0) throw Error(name + ": cannot be read as PNG: " + spng_strerror(status));
-    };
-    check(spng_set_image_limits(context.get(), kLargestPng, kLargestPng));
-    check(spng_set_chunk_limits(context.get(), kLargestChunk, kLargestChunk));
-    check(spng_set_png_buffer(context.get(), bytes.data(), bytes.size()));
+namespace {
+
+// Throws Error unless it is a PNG that decodePng reads.
+spng_ihdr headerOf(spng_ctx* context, std::span<const unsigned char> bytes, const std::string& name) {
+    check(spng_set_image_limits(context, kLargestPng, kLargestPng), name);
+    check(spng_set_chunk_limits(context, kLargestChunk, kLargestChunk), name);
+    check(spng_set_png_buffer(context, bytes.data(), bytes.size()), name);
     spng_ihdr header{};
-    check(spng_get_ihdr(context.get(), &header));
+    check(spng_get_ihdr(context, &header), name);
     if (header.color_type != SPNG_COLOR_TYPE_TRUECOLOR_ALPHA || (header.bit_depth != 8 && header.bit_depth != 16))
         throw Error(name + ": is no PNG of four channels of 8 or 16 bits");
-    RgbaImage out{int(header.width), int(header.height), header.bit_depth, {}};
     // Deflate makes at most 1032 bytes of one.
-    if (double(samplesOf(out)) * out.bits / 8 > 1032.0 * double(bytes.size()))
-        throw Error(name + ": is damaged: it has fewer bytes than pixels need");
-    requireMemory(name, "its pixels", double(samplesOf(out)) * 8);
+    if (double(header.width) * header.height * header.bit_depth / 2 > 1032.0 * double(bytes.size()))
+        throw Error(name + ": is damaged: it has fewer bytes than its pixels need");
+    return header;
+}
+
+}  // namespace
+
+glm::ivec2 sizeOfPng(std::span<const unsigned char> bytes, const std::string& name) {
+    const spng_ihdr header = headerOf(makeContext(0).get(), bytes, name);
+    return {header.width, header.height};
+}
+
+RgbaImage decodePng(std::span<const unsigned char> bytes, const std::string& name) {
+    const Context context = makeContext(0);
+    const spng_ihdr header = headerOf(context.get(), bytes, name);
+    RgbaImage out{int(header.width), int(header.height), header.bit_depth, {}};
     if (out.bits == 16) {
         out.samples.resize(samplesOf(out));
-        check(spng_decode_image(context.get(), out.samples.data(), samplesOf(out) * 2, SPNG_FMT_PNG, 0));
+        check(spng_decode_image(context.get(), out.samples.data(), samplesOf(out) * 2, SPNG_FMT_PNG, 0), name);
     } else {
         std::vector<uint8_t> narrow(samplesOf(out));
-        check(spng_decode_image(context.get(), narrow.data(), narrow.size(), SPNG_FMT_PNG, 0));
+        check(spng_decode_image(context.get(), narrow.data(), narrow.size(), SPNG_FMT_PNG, 0), name);
         out.samples.assign(narrow.begin(), narrow.end());
     }
-    check(spng_decode_chunks(context.get()));  // up to the end, which may be missing
+    check(spng_decode_chunks(context.get()), name);  // up to the end, which may be missing
     return out;
 }
 

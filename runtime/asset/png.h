@@ -1,6 +1,7 @@
 #pragma once
 // PNG in memory: the images that an asset holds. Colour spaces and gamma are left alone: samples are numbers.
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@ struct RgbaImage {
 
 // Throws std::bad_alloc.
 std::vector<unsigned char> encodePng(const RgbaImage& image);
+
+// Width and height, from its first bytes. Throws as decodePng does.
+glm::ivec2 sizeOfPng(std::span<const unsigned char> bytes, const std::string& name);
 
 constexpr int kLargestPng = 16384;  // pixels a side that decodePng reads
 

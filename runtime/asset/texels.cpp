@@ -13,7 +13,9 @@ namespace apertura {
 namespace {
 
 constexpr auto kPi = std::numbers::pi_v<float>;
-constexpr double kMostCover = 256;    // times an image's area that the boxes about its triangles may have together
+constexpr double kFewSteps = 1e8, kStepsATexel = 4;  // of mapTexels: an image that takes more has triangles that lie over each other
+constexpr double kBytesATexel = 80;                  // that a texel takes while it is read
+const char* const kImageName = "_VISIBILITY";
 const char* const kEntry = "texels";  // of asset.extras.apertura
 
 using Corners = std::array<glm::dvec2, 3>;
@@ -63,6 +65,23 @@ Corners cornersInImage(const Surface& surface, size_t t, int width, int height) 
     return out;
 }
 
+// Calls use(y, left, right) for each row of the image that has texels which the triangle may read, with the first and the last of these.
+void forRows(const Corners& c, int width, int height, const auto& use) {
+    const auto [low, high] = std::minmax({c[0].y, c[1].y, c[2].y});
+    for (int y = std::max(0, int(std::ceil(low - 1))); y <= std::min(height - 1, int(std::floor(high + 1))); ++y) {
+        double left = HUGE_VAL, right = -HUGE_VAL;
+        const auto add = [&](double x) { left = std::min(left, x), right = std::max(right, x); };
+        for (size_t e = 0; e < 3; ++e) {
+            const glm::dvec2 &a = c[e], &b = c[(e + 1) % 3];
+            if (std::abs(a.y - y) <= 1) add(a.x);
+            for (const double border : {y - 1.0, y + 1.0})
+                if ((a.y < border) != (b.y < border)) add(a.x + (border - a.y) / (b.y - a.y) * (b.x - a.x));
+        }
+        const int first = int(std::max(0.0, std::ceil(left - 1))), last = int(std::min(double(width - 1), std::floor(right + 1)));
+        if (first <= last) use(y, first, last);
+    }
+}
+
 void fillGutters(TexelMap& map) {
     std::deque<uint32_t> next;
     constexpr uint32_t none = UINT32_MAX;
@@ -110,7 +129,7 @@ RgbaImage imageOf(const SeenOnTexels& seen, const glm::mat3& toLocal, int bits) 
 }
 
 SeenOnTexels seenIn(const RgbaImage& image, const glm::mat3& toWorld) {
-    SeenOnTexels out{image.width, image.height, {}, {}};
+    SeenOnTexels out{image.width, image.height, {}, {}, image.bits};
     const Codes codes(image.bits);
     for (size_t i = 0; i + 3 < image.samples.size(); i += 4) {
         glm::vec4 stored;
@@ -122,9 +141,34 @@ SeenOnTexels seenIn(const RgbaImage& image, const glm::mat3& toWorld) {
     return out;
 }
 
+bool isOurs(const Json& image) {
+    const auto name = image.is_object() ? image.find("name") : image.end();
+    return image.is_object() && name != image.end() && *name == kImageName;
+}
+
 size_t indexIn(const Json& entry, const char* key) {
     const auto found = entry.is_object() ? entry.find(key) : entry.end();
     return entry.is_object() && found != entry.end() && found->is_number_unsigned() ? found->get<size_t>() : SIZE_MAX;
+}
+
+// Makes the set of the primitive's texture coordinates that an image lies over those of the surface.
+void useCoordinates(const GltfDocument& document, const Json& primitive, size_t set, Surface& surface, const std::string& where) {
+    if (!surface.coordinates.empty() && size_t(surface.coordinateSet) == set) return;
+    const auto found = primitive["attributes"].find("TEXCOORD_" + std::to_string(set));
+    if (found == primitive["attributes"].end()) throw Error(where + " has no texture coordinates any more");
+    const std::vector<float> values = readAccessor(document, found->get<size_t>(), 2);
+    surface.coordinates.clear();
+    for (size_t v = 0; v < surface.positions.size(); ++v) {
+        const size_t from = surface.splitFrom.empty() ? v : surface.splitFrom[v];
+        surface.coordinates.emplace_back(values.at(2 * from), values.at(2 * from + 1));
+    }
+    surface.coordinateSet = int(set);
+}
+
+// True if a texture's index stands anywhere in a part of the document.
+bool refersTo(const Json& part, size_t texture) {
+    if (part.is_object() && indexIn(part, "index") == texture) return true;
+    return part.is_structured() && std::any_of(part.begin(), part.end(), [&](const Json& inner) { return refersTo(inner, texture); });
 }
 
 }  // namespace
@@ -132,13 +176,11 @@ size_t indexIn(const Json& entry, const char* key) {
 void requireMappable(const Surface& surface, int width, int height, const std::string& where) {
     for (const glm::vec2& c : surface.coordinates)
         if (!(c.x >= 0 && c.x <= 1 && c.y >= 0 && c.y <= 1)) throw Error(where + ": a texture coordinate lies outside 0..1");
-    double work = 0;
-    for (size_t t = 0; t < surface.triangles.size(); ++t) {
-        const Corners c = cornersInImage(surface, t, width, height);
-        const glm::dvec2 size = glm::max(glm::max(c[0], c[1]), c[2]) - glm::min(glm::min(c[0], c[1]), c[2]);
-        work += size.x * size.y;
-    }
-    if (work > kMostCover * double(width) * double(height)) throw Error(where + ": its triangles lie over each other");
+    const double most = std::max(kFewSteps, kStepsATexel * double(width) * double(height));
+    double steps = 0;
+    for (size_t t = 0; t < surface.triangles.size() && steps <= most; ++t)
+        forRows(cornersInImage(surface, t, width, height), width, height, [&](int, int first, int last) { steps += last - first + 1; });
+    if (steps > most) throw Error(where + ": its triangles lie over each other many times");
 }
 
 glm::vec2 coordinatesAt(const Surface& surface, size_t triangle, const glm::vec3& barycentrics) {
@@ -159,12 +201,8 @@ TexelMap mapTexels(const Surface& surface, int width, int height) {
     map.isDrawn.assign(map.texels.size(), 0);
     for (size_t t = 0; t < surface.triangles.size(); ++t) {
         const Corners corners = cornersInImage(surface, t, width, height);
-        const glm::dvec2 low = glm::min(glm::min(corners[0], corners[1]), corners[2]),
-                         high = glm::max(glm::max(corners[0], corners[1]), corners[2]);
-        const int left = std::max(0, int(std::ceil(low.x - 1))), right = std::min(width - 1, int(std::floor(high.x + 1)));
-        const int top = std::max(0, int(std::ceil(low.y - 1))), bottom = std::min(height - 1, int(std::floor(high.y + 1)));
-        for (int y = top; y <= bottom; ++y)
-            for (int x = left; x <= right; ++x) {
+        forRows(corners, width, height, [&](int y, int first, int last) {
+            for (int x = first; x <= last; ++x) {
                 const glm::dvec2 middle(x, y);
                 if (!isReadAt(corners, middle)) continue;
                 const glm::dvec3 w = nearestTo(corners, middle);
@@ -174,6 +212,7 @@ TexelMap mapTexels(const Surface& surface, int width, int height) {
                 map.isDrawn[at] = 1;
                 if (texel.triangle < 0 || distance < texel.distance) texel = {int(t), glm::vec3(w), distance};
             }
+        });
     }
     fillGutters(map);
     return map;
@@ -196,13 +235,13 @@ Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& vi
         const Instance& instance = scene.instances[i];
         if (sampler == SIZE_MAX) {
             sampler = listOf(json, "samplers").size();
-            // Linear, with the nearest mip's linear; no repetition.
-            json["samplers"].push_back({{"magFilter", 9729}, {"minFilter", 9729}, {"wrapS", 33071}, {"wrapT", 33071}});
+            // Linear, between mips too; no repetition.
+            json["samplers"].push_back({{"magFilter", 9729}, {"minFilter", 9987}, {"wrapS", 33071}, {"wrapT", 33071}});
         }
         const RgbaImage image = imageOf(seen, glm::transpose(rotationPart(instance.toWorld)), bits);
         const size_t view = writer.addView(encodePng(image)), texture = listOf(json, "textures").size();
         json["textures"].push_back({{"sampler", sampler}, {"source", listOf(json, "images").size()}});
-        json["images"].push_back({{"name", "_VISIBILITY"}, {"mimeType", "image/png"}, {"bufferView", view}});
+        json["images"].push_back({{"name", kImageName}, {"mimeType", "image/png"}, {"bufferView", view}});
         out.push_back({{"mesh", json["nodes"][size_t(instance.node)]["mesh"]},
                        {"primitive", instance.primitive},
                        {"texture", texture},
@@ -216,15 +255,21 @@ std::set<size_t> removeTexels(Json& json) {
     Json& baked = json["asset"]["extras"]["apertura"];
     const Json entries = listOf(baked, kEntry);
     baked.erase(kEntry);
-    // The last first: what was added behind them would change its place.
-    for (size_t e = entries.size(); entries.is_array() && e-- > 0;) {
+    const auto isLast = [&](const char* list, size_t index) { return index != SIZE_MAX && index + 1 == listOf(json, list).size(); };
+    const auto usesOf = [&](const char* member, size_t index) {
+        size_t uses = 0;
+        for (const Json& texture : listOf(json, "textures")) uses += indexIn(texture, member) == index;
+        return uses;
+    };
+    // The last first: what was added behind them would change its place, and what materials refer to is theirs now.
+    for (size_t e = entries.is_array() ? entries.size() : 0; e-- > 0;) {
         const size_t texture = indexIn(entries[e], "texture");
-        if (texture + 1 != listOf(json, "textures").size()) continue;
+        if (!isLast("textures", texture) || refersTo(listOf(json, "materials"), texture)) continue;
         const size_t source = indexIn(json["textures"][texture], "source"), sampler = indexIn(json["textures"][texture], "sampler");
-        if (source + 1 != listOf(json, "images").size() || json["images"][source].value("name", "") != "_VISIBILITY") continue;
+        if (!isLast("images", source) || usesOf("source", source) > 1 || !isOurs(json["images"][source])) continue;
         if (const size_t view = indexIn(json["images"][source], "bufferView"); view != SIZE_MAX) views.insert(view);
         json["textures"].erase(texture), json["images"].erase(source);
-        if (e == 0 && sampler + 1 == listOf(json, "samplers").size()) json["samplers"].erase(sampler);
+        if (isLast("samplers", sampler) && usesOf("sampler", sampler) == 0) json["samplers"].erase(sampler);
     }
     for (const char* list : {"textures", "images", "samplers"})
         if (json.contains(list) && json[list].empty()) json.erase(list);
@@ -234,34 +279,42 @@ std::set<size_t> removeTexels(Json& json) {
 void readTexels(Asset& asset, const Json& described) {
     Scene& scene = asset.scene;
     const Json& entries = listOf(described, kEntry);
-    if (!entries.is_array()) return;
+    if (asset.info.at != "texels") return;
     const GltfDocument& document = *scene.document;
     std::map<std::pair<size_t, size_t>, const Json*> byPrimitive;
     for (const Json& entry : entries) byPrimitive[{indexIn(entry, "mesh"), indexIn(entry, "primitive")}] = &entry;
     double bytes = 0;
+    size_t without = 0;
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
-        const auto found = byPrimitive.find(
-            {document.json["nodes"][size_t(instance.node)]["mesh"].get<size_t>(), size_t(instance.primitive)});
-        if (found == byPrimitive.end()) continue;
+        const size_t mesh = document.json["nodes"][size_t(instance.node)]["mesh"].get<size_t>();
+        const auto found = byPrimitive.find({mesh, size_t(instance.primitive)});
+        if (found == byPrimitive.end()) {
+            ++without;
+            continue;
+        }
         const Json& entry = *found->second;
-        const std::string where = scene.name + ": the image of mesh " + std::to_string(indexIn(entry, "mesh"));
-        const Surface& surface = scene.surfaces[size_t(instance.surface)];
-        if (surface.coordinates.empty() || size_t(surface.coordinateSet) != indexIn(entry, "texCoord"))
-            throw Error(where + " has no texture coordinates any more");
+        const std::string where = scene.name + ": the image of mesh " + std::to_string(mesh);
+        Surface& surface = scene.surfaces[size_t(instance.surface)];
+        useCoordinates(document, document.json["meshes"][mesh]["primitives"][size_t(instance.primitive)], indexIn(entry, "texCoord"),
+                       surface, where);
         const size_t texture = indexIn(entry, "texture");
         const size_t source = texture < listOf(document.json, "textures").size() ? indexIn(document.json["textures"][texture], "source")
                                                                                  : SIZE_MAX;
-        if (source >= listOf(document.json, "images").size()) throw Error(where + " does not exist");
+        if (source >= listOf(document.json, "images").size() || !isOurs(document.json["images"][source]))
+            throw Error(where + " is not there any more");
         const size_t view = indexIn(document.json["images"][source], "bufferView");
-        const RgbaImage image = view == SIZE_MAX ? decodePng(*document.images[source], where) : decodePng(viewBytes(document, view), where);
-        requireMappable(surface, image.width, image.height, where);
+        const std::span<const unsigned char> png = view == SIZE_MAX ? std::span(*document.images[source]) : viewBytes(document, view);
+        const glm::ivec2 size = sizeOfPng(png, where);
+        bytes += kBytesATexel * double(size.x) * double(size.y);
+        requireMemory(scene.name, "its images", bytes);
+        requireMappable(surface, size.x, size.y, where);
         SeenOnTexels& texels = asset.seen[i].texels;
-        texels = seenIn(image, rotationPart(instance.toWorld));
-        setTexelNormals(scene, i, mapTexels(surface, image.width, image.height), texels);
-        asset.info.bits = image.bits;
-        requireMemory(scene.name, "its images", bytes += double(texels.visibility.size()) * sizeof(Visibility));
+        texels = seenIn(decodePng(png, where), rotationPart(instance.toWorld));
+        setTexelNormals(scene, i, mapTexels(surface, size.x, size.y), texels);
     }
+    if (without > 0)
+        scene.notes.push_back(std::to_string(without) + " of its meshes have no image any more: what their vertices store is drawn");
 }
 
 }  // namespace apertura

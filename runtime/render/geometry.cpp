@@ -47,9 +47,9 @@ std::vector<GeometryPart> splitGeometry(const Asset& asset, const PartLimits& li
             const auto isNew = [&](uint32_t v) { return vertexInPart[v] == kNone; };
             const size_t more = size_t(std::count_if(corners.begin(), corners.end(), isNew)), onFace = texels > 0 ? 0 : samplesOn(faces, t);
             const GeometryPart& now = parts.back();
-            if (now.triangles > 0
-                && (now.triangles + 1 > limits.triangles || now.vertices + more > limits.vertices
-                    || now.vertices + now.moreSamples + more + onFace > limits.samples)) {
+            // An image is in one part with all triangles that the other limits allow: without it none of them could be drawn.
+            const bool isFull = texels == 0 && now.vertices + now.moreSamples + more + onFace > limits.samples;
+            if (now.triangles > 0 && (now.triangles + 1 > limits.triangles || now.vertices + more > limits.vertices || isFull)) {
                 for (const uint32_t v : now.pieces.back().vertices) vertexInPart[v] = kNone;
                 parts.emplace_back();
                 begin(t);

@@ -19,6 +19,9 @@ constexpr VkFormat kPictureFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 template <class T>
 GpuBuffer uploadStorage(const Gpu& gpu, const std::vector<T>& values, vk::BufferUsageFlags usage = {}) {
+    if (sizeof(T) * values.size() > gpu.largestBuffer())
+        throw Error("Vulkan: " + gpu.name() + " binds no more than " + std::to_string(gpu.largestBuffer())
+                    + " bytes at once, and an image of visibility needs " + std::to_string(sizeof(T) * values.size()));
     return upload(gpu, std::as_bytes(std::span(values)), vk::BufferUsageFlagBits::eStorageBuffer | usage);
 }
 
