@@ -43,10 +43,13 @@ void setTexelNormals(const Scene& scene, size_t instance, const TexelMap& map, S
 // The images of a scene in a document: adds them to it and returns their description, or null where no instance has one.
 Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits);
 
-// Takes out the images that an earlier bake added, as far as nothing else has been added behind them. Returns views that they held.
+// Takes out the images that an earlier bake added, but for those behind which others were added, or to which a material refers. Returns the
+// views that they held.
 std::set<size_t> removeTexels(Json& json);
 
-// Reads the images that `described`, asset.extras.apertura, names into asset.seen. Throws Error naming the scene where they are damaged.
+// Reads the images that `described`, asset.extras.apertura, names into asset.seen, where asset.info.at says that there are some; each lies
+// over the set of coordinates that its entry names. Where one is missing it adds a line to the scene's notes. Throws Error naming the scene
+// where they are damaged.
 void readTexels(Asset& asset, const Json& described);
 
 }  // namespace apertura
