@@ -65,8 +65,9 @@ struct FaceSet {  // must not outlive what it refers to
             if (!isWanted(f)) return;
             const Face& face = faces[f];
             std::vector<Visibility> samples;
-            for (int i = 0; i < (face.level ? samplesOn(face.level) : 3); ++i)
-                samples.push_back(sumOf(unknowns.sample(face.triangle, i), values));
+            const int count = face.level ? samplesOn(face.level) : 3;
+            samples.reserve(size_t(count));
+            for (int i = 0; i < count; ++i) samples.push_back(sumOf(unknowns.sample(face.triangle, i), values));
             use(f, samples);
         });
         useVertices(unknowns, values);

@@ -174,6 +174,7 @@ void Faces::judge(const BakedVisibility& stored) {
         face.level = own.faces.level(face.triangle);
         face.witnesses = {set.prober.witness(face.instance, face.triangle, kUnseen + k)};
         std::vector<Visibility> samples;
+        samples.reserve(size_t(std::max(samplesOn(face.level), 3)));
         for (int i = 0; i < samplesOn(face.level); ++i) samples.push_back(own.faces.visibility[own.faces.first[face.triangle] + size_t(i)]);
         if (face.level == 0)
             for (const uint32_t v : set.surfaceOf(face.instance).triangles[face.triangle]) samples.push_back(own.visibility[v]);

@@ -200,6 +200,7 @@ std::vector<Appearance::Edge> Appearance::edgesAbout(const Tracer& tracer, const
             bool isWhole = false;
             for (const double radius : radii_) {
                 std::vector<float> visible;
+                visible.reserve(edge.places.size());
                 for (const Place& place : edge.places)
                     visible.push_back(traceLight(tracer, pointAt(at(place.barycentrics), face), light, radius * pi / 180, kRays, 0).mean()
                                       / w.z);
