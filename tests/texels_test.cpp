@@ -64,6 +64,17 @@ Asset baked(const Scene& scene, const BakeOptions& options) {
     return out;
 }
 
+// The errors of `soft` alone under a light of 5 degrees.
+MeasureOptions softAt(int receivers) {
+    MeasureOptions out;
+    out.models = {findModel("soft")};
+    out.only = true;
+    out.shadowMap = false;
+    out.lightRadii = {5};
+    out.receivers = receivers;
+    return out;
+}
+
 std::string refusalOf(const std::function<void()>& call) {
     try {
         call();
@@ -142,13 +153,7 @@ TEST(BakeTexels, DrawWhatFacesDrawAndHideTheSeam) {
     for (size_t i = 0; i < 2; ++i)
         for (size_t k = 0; k < asset.seen[i].texels.visibility.size(); ++k)
             ASSERT_EQ(asset.seen[i].texels.visibility[k].area, again.seen[i].texels.visibility[k].area);
-    MeasureOptions measure;
-    measure.models = {findModel("soft")};
-    measure.only = true;
-    measure.shadowMap = false;
-    measure.lightRadii = {5};
-    measure.receivers = 300;
-    const MeasureRow row = measureAsset(asset, measure).rows[0];
+    const MeasureRow row = measureAsset(asset, softAt(300)).rows[0];
     std::printf("box over a seam: own %.4f, in an image %.4f (sky %.4f)\n", row.own, row.rmse, row.ambient);
     EXPECT_LT(row.rmse, 1.15 * row.own);
     EXPECT_LT(row.ambient, 0.02);
@@ -192,13 +197,7 @@ TEST(BakeTexels, ErrAsSamplesOnFacesDoForTheSameBytes) {
         BakeInfo info;
         info.at = at == At::Texels ? "texels" : "faces";
         writeAsset(folder / "a.glb", scene, bakeScene(scene, Tracer(scene), options), info);
-        MeasureOptions measure;
-        measure.models = {findModel("soft")};
-        measure.only = true;
-        measure.shadowMap = false;
-        measure.lightRadii = {5};
-        measure.receivers = 900;
-        return std::pair(measureAsset(readAsset(folder / "a.glb"), measure).rows[0],
+        return std::pair(measureAsset(readAsset(folder / "a.glb"), softAt(900)).rows[0],
                          double(std::filesystem::file_size(folder / "a.glb") - std::filesystem::file_size(given)));
     };
     const auto [faces, faceBytes] = measured(At::Faces);
