@@ -27,8 +27,6 @@ APERTURA_FN TexelCell texelCellAt(vec2 place, int width, int height) {
 }
 
 // Texture coordinates in texels from the middle of texel (0, 0).
-APERTURA_FN vec2 placeInImage(vec2 coordinates, float width, float height) {
-    return coordinates * vec2(width, height) - vec2(0.5f);
-}
+APERTURA_FN vec2 placeInImage(vec2 coordinates, float width, float height) { return coordinates * vec2(width, height) - vec2(0.5f); }
 
 #endif
