@@ -101,6 +101,24 @@ TEST(Stability, AperturesKeepToTheExactOverlapInEverySweep) {
     EXPECT_GT(oat, 0.7);  // reached as the sun crosses the horizon
 }
 
+// Horizons trace directions of their own: about an opening overhead they know its edge.
+TEST(Stability, SweepsEveryModel) {
+    const FitTools tools(256);
+    Sweep sweep{"overhead", "", {}};
+    for (const double degrees : {10, 40, 70})
+        sweep.frames.push_back(
+            {.aperture = tilted(0), .apertureRadius = pi / 4, .light = tilted(degrees * pi / 180), .lightRadius = 0.005});
+    for (const Model& model : models()) {
+        if (model.id == MODEL_UNSHADOWED) continue;
+        const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);
+        EXPECT_EQ(row.frames, 3) << model.name;
+        EXPECT_EQ(row.notFinite, 0) << model.name;
+        if (model.name.starts_with("horizon")) {
+            EXPECT_LT(row.modelError, 0.01) << model.name;
+        }
+    }
+}
+
 TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
     // Models that may step a little further than stepBound: the overlap of two caps' edges is approximate, and that of three
     // and four follows from their pairs; firm-3 is as sharp as gives the least error.

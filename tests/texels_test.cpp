@@ -5,7 +5,6 @@
 
 #include "bake/measure/measure.h"
 #include "bake/scene/load.h"
-#include "bake/scene/shapes.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/gltf.h"
 #include "runtime/asset/png.h"
@@ -13,50 +12,12 @@
 #include "runtime/asset/texels.h"
 #include "runtime/render/geometry.h"
 #include "runtime/render/renderer.h"
+#include "tests/box_over_seam.h"
 #include "tests/changed_gltf.h"
 #include "tests/support.h"
 
 namespace apertura::test {
 namespace {
-
-// A floor of two halves, each a chart, and a box over where they meet. Across x = 0 the image has a seam.
-Scene boxOverSeam() {
-    Scene scene;
-    scene.name = "box over a seam";
-    Surface floor, box;
-    for (const float side : {-1.0f, 1.0f}) {
-        const auto first = uint32_t(floor.positions.size());
-        for (const auto& [x, z] : {std::pair(0, -5), {5, -5}, {5, 5}, {0, 5}}) {
-            floor.positions.emplace_back(side * float(x), 0, z);
-            floor.normals.emplace_back(0, 1, 0);
-            // The right half is turned by a right angle.
-            const float u = 0.05f + 0.4f * float(x) / 5, v = 0.1f + 0.08f * float(z + 5);
-            floor.coordinates.push_back(side < 0 ? glm::vec2(u, v) : glm::vec2(0.55f + 0.4f * float(z + 5) / 10, 0.1f + 0.16f * float(x)));
-        }
-        for (const auto& [a, b, c] : {std::array{0u, 2u, 1u}, {0u, 3u, 2u}})
-            floor.triangles.push_back(side > 0 ? std::array{first + a, first + b, first + c} : std::array{first + a, first + c, first + b});
-    }
-    addBox(box, {-1, 0.5, -1}, {1, 1.5, 1}, 2);
-    for (size_t v = 0; v < box.positions.size(); ++v) {
-        const size_t face = v / 4;
-        const glm::vec3 n = box.normals[v], p = box.positions[v];
-        const glm::vec2 flat = std::abs(n.x) > 0.5f ? glm::vec2(p.y - 1, p.z / 2)
-                             : std::abs(n.y) > 0.5f ? glm::vec2(p.x, p.z) / 2.0f
-                                                    : glm::vec2(p.x / 2, p.y - 1);
-        box.coordinates.push_back((glm::vec2(face % 3, face / 3) + 0.5f + 0.7f * flat) / 3.0f);
-    }
-    scene.surfaces = {floor, box};
-    scene.instances = {{0}, {1}};
-    return scene;
-}
-
-BakeOptions optionsFor(int texels, int threads = 0) {
-    BakeOptions options;
-    options.at = At::Texels;
-    options.texels = texels;
-    options.threads = threads;
-    return options;
-}
 
 Asset baked(const Scene& scene, const BakeOptions& options) {
     Asset out{scene, bakeScene(scene, Tracer(scene), options), {}};
@@ -134,13 +95,14 @@ TEST(TexelMap, DrawnTexelsAreThoseThatFilteringReads) {
 
 TEST(Png, SamplesComeBack) {
     Random random(3);
-    for (const int bits : {8, 16}) {
-        RgbaImage image{13, 7, bits, {}};
-        for (int i = 0; i < 4 * 13 * 7; ++i) image.samples.push_back(uint16_t(random(0, bits == 8 ? 256 : 65536)));
+    for (const auto& [bits, channels] : {std::pair(8, 4), {16, 4}, {8, 3}, {16, 1}}) {
+        PngImage image{13, 7, bits, {}, channels};
+        for (int i = 0; i < channels * 13 * 7; ++i) image.samples.push_back(uint16_t(random(0, bits == 8 ? 256 : 65536)));
         const std::vector<unsigned char> bytes = encodePng(image);
-        const RgbaImage back = decodePng(bytes, "x");
+        const PngImage back = decodePng(bytes, "x");
         EXPECT_EQ(back.width, 13);
         EXPECT_EQ(back.bits, bits);
+        EXPECT_EQ(back.channels, channels);
         EXPECT_EQ(back.samples, image.samples);
         for (size_t length = 0; length + 12 < bytes.size(); length += 3)  // the last twelve hold nothing
             EXPECT_THROW(decodePng(std::span(bytes).first(length), "x"), Error) << "cut after " << length;

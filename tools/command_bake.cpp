@@ -21,7 +21,7 @@ struct Arguments {
     BakeOptions bake;
     int bits = 8;
     bool spacingGiven = false;
-    std::string price, at;
+    std::string price, at, as = "visibility";
 };
 
 void run(const Arguments& a) {
@@ -51,7 +51,7 @@ void run(const Arguments& a) {
         info.rayOffset = tracer.offset();
         visibility = bakeScene(scene, tracer, a.bake, progress, &issues, &plan, &report, &texels);
     }
-    info.at = a.bake.at == At::Faces ? "faces" : a.bake.at == At::Texels ? "texels" : "vertices";
+    info.at = a.bake.at == At::Faces ? "faces" : a.bake.at == At::Texels && a.bake.as == As::Visibility ? "texels" : "vertices";
     info.unmetArea = report.unmet;
     if (a.model == "auto") {
         info.tolerance = a.bake.tolerance;
@@ -79,8 +79,9 @@ void run(const Arguments& a) {
             report.samples, little(report.error).c_str(), little(report.skyError).c_str(), report.tolerance, report.skyTolerance,
             double(report.rays + vertices * size_t(a.bake.rays)) / (double(vertices + report.samples) * a.bake.rays));
     if (texels.images > 0) {
-        std::printf("  %zu %s of %zu texels, of which %.3g %% are drawn\n", texels.images, texels.images == 1 ? "image" : "images",
-                    texels.texels, 100 * double(texels.drawn) / double(texels.texels));
+        std::printf("  %zu %s%s of %zu texels, of which %.3g %% are drawn\n", texels.images, texels.images == 1 ? "image" : "images",
+                    a.bake.as == As::BentNormals ? " of bent normals, and as many of occlusion," : "", texels.texels,
+                    100 * double(texels.drawn) / double(texels.texels));
         if (texels.shared > kManyShared)
             std::printf(
                 "  %.3g %% of those are read on two charts, which see what the other one does: more texels, or more room between charts, "
@@ -163,6 +164,12 @@ void addBakeCommand(CLI::App& program) {
         ->check(CLI::Range(2, 8192))
         ->type_name("N");
     command
+        .add_option("--as", a->as,
+                    "what images hold: visibility; or bent-normal: what engines read today, a bent normal in tangent space and occlusion, "
+                    "the latter as the materials' occlusionTexture [visibility]")
+        ->check(CLI::IsMember({"visibility", "bent-normal"}))
+        ->type_name("visibility|bent-normal");
+    command
         .add_option(
             "--storage-tolerance", a->bake.storageTolerance,
             "RMSE of E / (L pi sin^2 r), at a light radius of 5 degrees, and of the sky's E / pi, that storing may add [half of what "
@@ -177,11 +184,13 @@ void addBakeCommand(CLI::App& program) {
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
         if (command.count("--tolerance") > 0 && a->model != "auto") throw CLI::ValidationError("--tolerance is for --model auto");
         if (command.count("--texels") > 0 && a->at != "texels") throw CLI::ValidationError("--texels is for --at texels");
+        if (command.count("--as") > 0 && a->at != "texels") throw CLI::ValidationError("--as is for --at texels");
         if (command.count("--texels") > 0 && isHeightMap(a->scene))
             throw CLI::ValidationError("--texels is not for height maps, whose images have a texel for each of theirs");
         if (!a->at.empty() && a->at != "faces" && (a->bake.storageTolerance > 0 || a->bake.maxBytes > 0))
             throw CLI::ValidationError("--storage-tolerance and --max-bytes are for --at faces");
         a->bake.at = a->at == "vertices" ? At::Vertices : a->at == "texels" ? At::Texels : At::Faces;
+        a->bake.as = a->as == "bent-normal" ? As::BentNormals : As::Visibility;
         a->bake.bits = a->bits;
         a->bake.price = a->price == "bytes" ? Price::Bytes : a->price == "cycles" ? Price::Cycles : Price::Numbers;
         a->model = findRecipe(a->model)->name;

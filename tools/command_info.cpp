@@ -82,6 +82,7 @@ nlohmann::ordered_json describe(const std::string& file) {
                                {"samples", samples},
                                {"samples_by_steps", bySteps},
                                {"images", images},
+                               {"bent_normals", asset.info.bentNormals},
                                {"unmet_area", asset.info.unmetArea},
                                {"mean_open", area / double(vertices)},
                                {"mean_capness", cap / double(vertices)},
@@ -122,6 +123,8 @@ void print(const nlohmann::ordered_json& d) {
         if (images.size() > kImagesShown) std::printf(" and %zu more", images.size() - kImagesShown);
         std::printf(" texels\n");
     }
+    if (d["bent_normals"].get<int>() > 0)
+        std::printf("  for engines   bent normals and occlusion of %d instances, an image of each\n", d["bent_normals"].get<int>());
     if (d.contains("notes"))
         for (const auto& note : d["notes"]) std::printf("  note          %s\n", printable(note.get<std::string>()).c_str());
     if (d.contains("auto")) {

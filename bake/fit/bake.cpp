@@ -171,7 +171,7 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     if (options.at != At::Faces) {
         out = faces.fit();
         if (options.at == At::Texels) {
-            const TexelReport done = bakeTexels(scene, prober, options.texels, out, part(progress, 0.4, 1));
+            const TexelReport done = bakeTexels(scene, prober, options.texels, options.as, out, part(progress, 0.4, 1));
             if (texels) *texels = done;
         }
         if (report) report->rays = prober.rays();

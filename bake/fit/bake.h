@@ -14,6 +14,9 @@ namespace apertura {
 // Where visibility is stored: at vertices alone; on faces too, as finely as each one needs; or in images over texture coordinates too.
 enum class At { Vertices, Faces, Texels };
 
+// What images hold: the four numbers, or what engines read today (BentNormals).
+enum class As { Visibility, BentNormals };
+
 struct BakeOptions {
     std::string_view recipe = "sh";  // a name of recipes()
     double tolerance = 0.05;         // "auto" only: the RMSE of E / (L pi sin^2 r) to keep
@@ -31,6 +34,7 @@ struct BakeOptions {
     double maxBytes = 0;          // of all visibility; 0: no limit
     int bits = 8;                 // that a number will be stored in, for what a sample takes
     int texels = 256;             // At::Texels: of each image, across and down
+    As as = As::Visibility;       // At::Texels
 };
 
 struct FaceReport;   // bake/fit/faces.h

@@ -89,7 +89,15 @@ void LeastSquares::mergeEntries() {
     entries_ = std::move(sorted);
 }
 
-std::vector<Visibility> LeastSquares::solve() {
+// Of the values about each unknown, by their weights.
+std::vector<glm::vec4> LeastSquares::means() const {
+    std::vector<glm::vec4> out(right_.size(), glm::vec4(0));
+    for (size_t i = 0; i < out.size(); ++i)
+        if (shares_[i] > 0) out[i] = right_[i] / shares_[i];
+    return out;
+}
+
+std::vector<glm::vec4> LeastSquares::solveFreely() {
     const size_t n = diagonal_.size();
     mergeEntries();
     // The whole matrix but its diagonal, row after row.
@@ -109,11 +117,8 @@ std::vector<Visibility> LeastSquares::solve() {
         for (size_t k = starts[i]; k < starts[i + 1]; ++k) sum += double(elements[k].second) * x[elements[k].first];
         return sum;
     };
-    // The start: means of the values about each unknown, by their weights.
-    Columns x(n, glm::dvec4(0)), residual(n), direction(n), image(n);
-    for (size_t i = 0; i < n; ++i)
-        if (shares_[i] > 0) x[i] = right_[i] / shares_[i];
-    const std::vector<glm::vec4> means(x.begin(), x.end());
+    const std::vector<glm::vec4> start = means();
+    Columns x(start.begin(), start.end()), residual(n), direction(n), image(n);
     const auto precondition = [&](size_t i) { return diagonal_[i] > 0 ? residual[i] / diagonal_[i] : glm::dvec4(0); };
     glm::dvec4 size = sumOver(n, [&](size_t i) {
         residual[i] = right_[i] - product(x, i);
@@ -133,12 +138,17 @@ std::vector<Visibility> LeastSquares::solve() {
         for (size_t i = 0; i < n; ++i) direction[i] = precondition(i) + keep * direction[i];
         size = next;
     }
+    return {x.begin(), x.end()};
+}
+
+std::vector<Visibility> LeastSquares::solve() {
+    const std::vector<glm::vec4> x = solveFreely(), seen = means();
     std::vector<Visibility> out;
-    out.reserve(n);
-    for (size_t i = 0; i < n; ++i) {
-        Visibility fitted = clampToPossible({glm::vec3(x[i]), std::clamp(float(x[i].w), 0.0f, kOpen)});
+    out.reserve(x.size());
+    for (size_t i = 0; i < x.size(); ++i) {
+        Visibility fitted = clampToPossible({glm::vec3(x[i]), std::clamp(x[i].w, 0.0f, kOpen)});
         // What overshoots would be an aperture with a sharper edge than anything that was seen.
-        const float bound = fitted.area * (1 - fitted.area / (2 * kOpen)) * capness({glm::vec3(means[i]), means[i].w});
+        const float bound = fitted.area * (1 - fitted.area / (2 * kOpen)) * capness({glm::vec3(seen[i]), seen[i].w});
         if (const float length = glm::length(fitted.direction); length > bound) fitted.direction *= bound / length;
         out.push_back(fitted);
     }

@@ -23,6 +23,8 @@ public:
     void add(std::span<const Term> terms, const Visibility& value, float weight = 1) {
         add(terms, {value.direction, value.area}, weight, false);
     }
+    // The same for any four numbers.
+    void add(std::span<const Term> terms, const glm::vec4& value, float weight = 1) { add(terms, value, weight, false); }
     // Draws two unknowns towards each other.
     void tie(uint32_t a, uint32_t b, float weight);
 
@@ -33,6 +35,9 @@ public:
     // an equation are closed.
     std::vector<Visibility> solve();
 
+    // The same of any four numbers, as they come out. Unknowns without an equation are 0.
+    std::vector<glm::vec4> solveFreely();
+
 private:
     // Of the normal equations' matrix, above its diagonal.
     struct Entry {
@@ -42,6 +47,7 @@ private:
 
     void add(std::span<const Term> terms, const glm::vec4& value, float weight, bool isTie);
     void mergeEntries();
+    std::vector<glm::vec4> means() const;
 
     std::vector<double> diagonal_, shares_;  // shares: of the values about each unknown, the sum of their weights
     std::vector<glm::dvec4> right_;          // the right-hand side

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "bake/fit/face_unknowns.h"
 #include "bake/fit/least_squares.h"
 #include "bake/sampling/classes.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/png.h"
+#include "runtime/asset/tangents.h"
 #include "runtime/asset/texels.h"
 
 namespace apertura {
@@ -118,6 +120,94 @@ void stitch(LeastSquares& equations, const Texels& texels) {
         }
 }
 
+using Probes = std::vector<std::vector<Probe>>;  // of each triangle of an instance
+
+Probes lookAt(const Texels& texels, const Prober& prober, ProgressCounter& counter) {
+    Probes out(texels.surface.triangles.size());
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, out.size(), 16), [&](const tbb::blocked_range<size_t>& range) {
+        if (counter.stopped()) return;
+        for (size_t t = range.begin(); t < range.end(); ++t)
+            for (size_t k = 0, n = texels.probesOn(t); k < n; ++k) out[t].push_back(prober.probe(texels.instance, t, k));
+        counter.add(range.size());
+    });
+    counter.throwIfStopped();
+    return out;
+}
+
+// Equations for an image: valueOf(triangle, probe) at each probe that is not buried, and texels of a chart that are drawn together.
+LeastSquares equationsFor(const Texels& texels, const Probes& probes, const auto& valueOf) {
+    const TexelMap& map = texels.map;
+    LeastSquares equations(map.texels.size());
+    for (size_t t = 0; t < probes.size(); ++t)
+        for (const Probe& probe : probes[t]) {
+            if (probe.buried) continue;
+            std::vector<Term> terms;
+            addPoint(terms, texels.surface, t, probe.weights, texels.size, 1);
+            equations.add(terms, valueOf(t, probe));
+        }
+    const auto chart = [&](size_t at) { return texels.charts[size_t(map.texels[at].triangle)]; };
+    const auto [width, height] = std::pair(texels.size.x, texels.size.y);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const auto at = uint32_t(y * width + x);
+            for (const auto& [inside, next] : {std::pair(x + 1 < width, at + 1), {y + 1 < height, at + uint32_t(width)}})
+                if (inside && map.isDrawn[at] && map.isDrawn[next] && chart(at) == chart(next)) equations.tie(at, next, kTie);
+        }
+    return equations;
+}
+
+// How many texels triangles of two charts read.
+size_t sharedTexels(const Texels& texels, const Probes& probes) {
+    std::vector<uint32_t> chartOf(texels.map.texels.size(), UINT32_MAX);
+    std::vector<bool> isShared(texels.map.texels.size(), false);
+    for (size_t t = 0; t < probes.size(); ++t)
+        for (const Probe& probe : probes[t]) {
+            std::vector<Term> terms;
+            addPoint(terms, texels.surface, t, probe.weights, texels.size, 1);
+            for (const Term& term : terms) {
+                uint32_t& chart = chartOf[term.first];
+                isShared[term.first] = isShared[term.first] || (chart != UINT32_MAX && chart != texels.charts[t]);
+                chart = texels.charts[t];
+            }
+        }
+    return size_t(std::count(isShared.begin(), isShared.end(), true));
+}
+
+void fitVisibility(const Texels& texels, const Probes& probes, SeenByInstance& out, const Scene& scene) {
+    LeastSquares equations = equationsFor(texels, probes, [](size_t, const Probe& probe) { return probe.mean(); });
+    stitch(equations, texels);
+    const std::vector<Visibility> fitted = equations.solve();
+    out.texels = {texels.size.x, texels.size.y, {}, {}, 8};
+    for (const uint32_t from : texels.map.from) out.texels.visibility.push_back(fitted[from]);
+    setTexelNormals(scene, texels.instance, texels.map, out.texels);
+}
+
+// Both are fitted to what engines decode: the unit bent normal in the frame of the tangents, which differs where charts meet, so that
+// occlusion alone is stitched.
+void fitBentNormals(const Texels& texels, const Probes& probes, SeenByInstance& out, const Scene& scene) {
+    bool made;
+    const std::vector<glm::vec4> tangents = tangentsOf(scene, texels.instance, &made);
+    const glm::mat3 toLocal = glm::transpose(rotationPart(scene.instances[texels.instance].toWorld));
+    LeastSquares bent = equationsFor(texels, probes, [&](size_t t, const Probe& probe) {
+        const float length = glm::length(probe.bent);
+        if (length <= 0) return glm::vec4(0, 0, 1, 0);
+        const glm::mat3 frame = tangentFrame(texels.surface, tangents, t, probe.weights);
+        return glm::vec4(glm::transpose(frame) * toLocal * (probe.bent / length), 0);
+    });
+    LeastSquares open = equationsFor(texels, probes, [](size_t, const Probe& probe) {
+        return glm::vec4(0, 0, 0, glm::dot(probe.mean().direction, probe.normal) / std::numbers::pi_v<float>);
+    });
+    stitch(open, texels);
+    const std::vector<glm::vec4> directions = bent.solveFreely(), occlusion = open.solveFreely();
+    out.bent = {texels.size.x, texels.size.y, {}, made ? tangents : std::vector<glm::vec4>()};
+    for (const uint32_t from : texels.map.from) {
+        glm::vec3 d(directions[from]);
+        d.z = std::max(d.z, 0.0f);  // engines that store x and y alone make z positive
+        const float length = glm::length(d);
+        out.bent.texels.emplace_back(length > 0 ? d / length : glm::vec3(0, 0, 1), std::clamp(occlusion[from].w, 0.0f, 1.0f));
+    }
+}
+
 }  // namespace
 
 void requireCharts(const Scene& scene, int side) {
@@ -184,60 +274,25 @@ void requireCharts(const Scene& scene, int side) {
     }
 }
 
-TexelReport bakeTexels(const Scene& scene, const Prober& prober, int side, BakedVisibility& out, const Progress& progress) {
+TexelReport bakeTexels(const Scene& scene, const Prober& prober, int side, As as, BakedVisibility& out, const Progress& progress) {
     TexelReport report;
-    size_t triangles = 0;
-    double shared = 0;
+    size_t triangles = 0, shared = 0;
     for (const Instance& instance : scene.instances) triangles += scene.surfaces[size_t(instance.surface)].triangles.size();
     ProgressCounter counter(progress, std::max<size_t>(triangles, 1));
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Texels texels(scene, i, side);
-        const Surface& surface = texels.surface;
-        std::vector<std::vector<Probe>> probes(surface.triangles.size());
-        tbb::parallel_for(tbb::blocked_range<size_t>(0, probes.size(), 16), [&](const tbb::blocked_range<size_t>& range) {
-            if (counter.stopped()) return;
-            for (size_t t = range.begin(); t < range.end(); ++t)
-                for (size_t k = 0, n = texels.probesOn(t); k < n; ++k) probes[t].push_back(prober.probe(i, t, k));
-            counter.add(range.size());
-        });
-        counter.throwIfStopped();
-        const TexelMap& map = texels.map;
-        LeastSquares equations(map.texels.size());
-        std::vector<uint32_t> chartOf(map.texels.size(), UINT32_MAX);
-        std::vector<bool> isShared(map.texels.size(), false);
-        for (size_t t = 0; t < probes.size(); ++t)
-            for (const Probe& probe : probes[t]) {
-                std::vector<Term> terms;
-                addPoint(terms, surface, t, probe.weights, texels.size, 1);
-                for (const Term& term : terms) {
-                    uint32_t& chart = chartOf[term.first];
-                    isShared[term.first] = isShared[term.first] || (chart != UINT32_MAX && chart != texels.charts[t]);
-                    chart = texels.charts[t];
-                }
-                if (!probe.buried) equations.add(terms, probe.mean());
-            }
-        const auto chart = [&](size_t at) { return texels.charts[size_t(map.texels[at].triangle)]; };
-        const auto [width, height] = std::pair(texels.size.x, texels.size.y);
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x) {
-                const auto at = uint32_t(y * width + x);
-                for (const auto& [inside, next] : {std::pair(x + 1 < width, at + 1), {y + 1 < height, at + uint32_t(width)}})
-                    if (inside && map.isDrawn[at] && map.isDrawn[next] && chart(at) == chart(next)) equations.tie(at, next, kTie);
-            }
-        counter.throwIfStopped();
-        stitch(equations, texels);
+        const Probes probes = lookAt(texels, prober, counter);
+        if (as == As::Visibility)
+            fitVisibility(texels, probes, out[i], scene);
+        else
+            fitBentNormals(texels, probes, out[i], scene);
         throwIfStopped(progress, 1);
-        const std::vector<Visibility> fitted = equations.solve();
-        SeenOnTexels& seen = out[i].texels;
-        seen = {width, height, {}, {}, 8};
-        for (const uint32_t from : map.from) seen.visibility.push_back(fitted[from]);
-        setTexelNormals(scene, i, map, seen);
         ++report.images;
-        report.texels += map.texels.size();
-        report.drawn += map.drawn();
-        shared += double(std::count(isShared.begin(), isShared.end(), true));
+        report.texels += texels.map.texels.size();
+        report.drawn += texels.map.drawn();
+        shared += sharedTexels(texels, probes);
     }
-    report.shared = shared / std::max(double(report.drawn), 1.0);
+    report.shared = double(shared) / std::max(double(report.drawn), 1.0);
     return report;
 }
 

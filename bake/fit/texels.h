@@ -15,8 +15,9 @@ struct TexelReport {
 // unless it is that of a height map, which has the map's own.
 void requireCharts(const Scene& scene, int side);
 
-// Fits an image to each instance, to about three probes a texel. Where charts meet on the surface, both sides are
-// drawn to be the same along the edge. The result does not depend on the number of threads. Throws Cancelled.
-TexelReport bakeTexels(const Scene& scene, const Prober& prober, int side, BakedVisibility& out, const Progress& progress);
+// Fits an image, or two of bent normals and occlusion, to each instance, to about three probes a texel. Where charts meet on the surface,
+// both sides are drawn to be the same along the edge, but for bent normals. The result does not depend on the number of threads. Throws
+// Cancelled.
+TexelReport bakeTexels(const Scene& scene, const Prober& prober, int side, As as, BakedVisibility& out, const Progress& progress);
 
 }  // namespace apertura

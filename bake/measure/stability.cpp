@@ -8,6 +8,7 @@
 
 #include "bake/fit/choose.h"
 #include "bake/sampling/directions.h"
+#include "bake/sampling/occlusion.h"
 #include "sh/cap_reference.h"
 
 namespace apertura {
@@ -79,6 +80,23 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
     return 2 * height / (s * s) * sum / double(unit.size());
 }
 
+namespace {
+
+// All that is open is one cap.
+class CapOpening : public OcclusionSource {
+public:
+    CapOpening(const dvec3& axis, double radius) : axis_(axis), height_(std::cos(radius)) {}
+    void occluded(const SurfacePoint&, std::span<const vec3> directions, uint8_t* blocked) const override {
+        for (size_t i = 0; i < directions.size(); ++i) blocked[i] = glm::dot(dvec3(directions[i]), axis_) < height_;
+    }
+
+private:
+    dvec3 axis_;
+    double height_;
+};
+
+}  // namespace
+
 SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sweep) {
     SweptModel out{&model, {}};
     const vec3 normal(kUp);
@@ -96,13 +114,17 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
         Visibility seen = v;
         ModelParams params;
         if (recipe) {
-            std::vector<uint8_t> blocked;
-            for (const vec3& w : tools.lattice.directions()) blocked.push_back(glm::dot(dvec3(w), f.aperture) < std::cos(f.apertureRadius));
+            const CapOpening opening(f.aperture, f.apertureRadius);
+            const SurfacePoint point{dvec3(0), normal};
+            std::vector<uint8_t> blocked(tools.lattice.directions().size());
+            opening.occluded(point, tools.lattice.directions(), blocked.data());
+            Samples samples(tools.lattice, blocked);
+            samples.source = &opening, samples.point = &point;
             FitOptions fitOptions;
             fitOptions.lambda = 1 / (fitOptions.tolerance * fitOptions.tolerance);
-            const BakedPoint point = makePoint(*recipe, tools, Samples(tools.lattice, blocked), mat3(1), fitOptions);
-            params = toParams(model, point.visibility, &point.params, normal);
-            if (!model.baseline) seen = point.visibility;
+            const BakedPoint baked = makePoint(*recipe, tools, samples, mat3(1), fitOptions);
+            params = toParams(model, baked.visibility, &baked.params, normal);
+            if (!model.baseline) seen = baked.visibility;
         } else {
             params = toParams(model, v, nullptr, normal);
             // A bake sees only the part of the opening above the horizon.

@@ -40,8 +40,9 @@ Probe Prober::look(size_t instance, size_t triangle, size_t k, const std::vector
     const uint64_t first = 31 + 1000003ull * among.size();  // of the hashes, apart from those of the other kind of points
     glm::dvec2 p = evenly(k, {hashUnit(seed_, place, first), hashUnit(seed_, place, first + 1)});
     if (p.x + p.y > 1) p = 1.0 - p;
-    Probe out{glm::vec3(1 - p.x - p.y, p.x, p.y), {}, false};
-    const SurfacePoint point = pointAt(instance, triangle, out.weights);
+    const glm::vec3 weights(1 - p.x - p.y, p.x, p.y);
+    const SurfacePoint point = pointAt(instance, triangle, weights);
+    Probe out{weights, {}, glm::vec3(0), point.normal, false};
     const double spin = 2 * std::numbers::pi * hashUnit(seed_, place, first + 2 + k);
     const glm::mat3 frame = frameFromZ(point.normal, spin);
     const size_t rays = among.size();
@@ -54,18 +55,20 @@ Probe Prober::look(size_t instance, size_t triangle, size_t k, const std::vector
     for (size_t half = 0; half < 2; ++half) {
         // Neighbours in the list are neighbours on the sphere: every second one covers all of it. What a half of the directions sums to
         // is not quite what they stand for: an open hemisphere is made exactly open.
-        glm::vec3 all(0), seen(0);
+        glm::vec3 all(0), seen(0), allBent(0), seenBent(0);
         size_t count = 0;
         for (size_t i = half; i < rays; i += 2) {
-            all += directions[i];
+            const glm::vec3 slanted = among[i].z * directions[i];
+            all += directions[i], allBent += slanted;
             if (blocked[i]) continue;
-            seen += directions[i];
+            seen += directions[i], seenBent += slanted;
             ++count;
         }
         open += count;
         constexpr auto pi = float(std::numbers::pi);
         const float share = float(count) / float(rays / 2), each = 2 * pi / float(rays / 2);
         out.halves[half] = {each * (seen - share * all) + share * pi * point.normal, share * 2 * pi};
+        out.bent += 0.5f * (each * (seenBent - share * allBent) + share * (2 * pi / 3) * point.normal);
     }
     if (2 * open <= rays) {
         out.buried = solids_.backsSeen(point, spin) > kBuried;

@@ -9,6 +9,8 @@ namespace apertura {
 struct Probe {
     glm::vec3 weights;     // barycentric
     Visibility halves[2];  // world
+    glm::vec3 bent;        // by all of them: the integral of V w (n . w) over the hemisphere about n, sr; world
+    glm::vec3 normal;      // n, unit: about which it looks
     bool buried;           // inside something: nobody sees the point
 
     Visibility mean() const { return {0.5f * (halves[0].direction + halves[1].direction), 0.5f * (halves[0].area + halves[1].area)}; }

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "runtime/asset/bent_normals.h"
 #include "runtime/asset/faces.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/gltf.h"
@@ -133,6 +134,7 @@ void removeBaked(GltfWriter& writer) {
                 && entry["bufferView"] < listOf(json, "bufferViews").size())
                 views.insert(entry["bufferView"].get<size_t>());
         json["asset"]["extras"]["apertura"].erase("forms");
+        removeBentNormals(json, views);
         views.merge(removeTexels(json));
     }
     accessors.merge(removeFaces(json));
@@ -326,6 +328,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     if (stored) description["forms"] = allParams;
     if (Json faces = addFaces(writer, scene, visibility, stored, info.bits); !faces.is_null()) description["faces"] = std::move(faces);
     if (Json texels = addTexels(writer, scene, visibility, info.bits); !texels.is_null()) description["texels"] = std::move(texels);
+    if (Json bent = addBentNormals(writer, scene, visibility, info.bits); !bent.is_null()) description["bentNormals"] = std::move(bent);
     asset["extras"]["apertura"] = description;
     writer.release(replaced);
     writer.write(path, file.name());
@@ -349,7 +352,10 @@ Asset toAsset(Scene scene) {
                     + "; make it with `apertura bake`");
     const GltfDocument& document = *scene.document;
     const Json& described = describedIn(document.json);
-    if (described.is_object()) asset.info = readInfo(described, scene.name);
+    if (described.is_object()) {
+        asset.info = readInfo(described, scene.name);
+        asset.info.bentNormals = countBentNormals(described);
+    }
     const Model* stored = storedModel(asset.info);
     std::map<std::pair<size_t, size_t>, size_t> streams;
     if (stored) streams = findStreams(described);

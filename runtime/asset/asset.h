@@ -24,6 +24,7 @@ struct BakeInfo {
     double rayOffset = 0;    // the most metres that rays start above the surface
     std::string hemisphere = "vertex normal";
     std::string at = "vertices";  // where visibility is stored: vertices, or faces too, or texels too
+    int bentNormals = 0;          // instances that have images of bent normals and of occlusion beside it, for engines
     double unmetArea = 0;         // faces: fraction of the area that errs more than was asked for
 };
 
@@ -49,12 +50,23 @@ struct SeenOnTexels {
     int bits = 8;                        // of a number in the file that it was read from
 };
 
+// What engines read instead of visibility, in two images over the texture coordinates of one instance: where light comes from on average,
+// and how much. Row after row from the top; gutters are filled.
+struct BentNormals {
+    int width = 0, height = 0;
+    // x, y, z: unit, the cosine-weighted mean of the open directions, in the frame of the surface's tangents (runtime/asset/tangents.h);
+    // w: the cosine-weighted open part of the hemisphere, 0..1. Empty: there are no images.
+    std::vector<glm::vec4> texels;
+    std::vector<glm::vec4> tangents;  // one per position, that the asset is to store; empty: the file has its own
+};
+
 // Visibility of one instance, with directions in world space.
 struct SeenByInstance {
     std::vector<Visibility> visibility;  // one per position
     std::vector<ModelParams> allParams;  // one per position if a model is stored beside visibility; else empty
     SeenOnFaces faces;
     SeenOnTexels texels;  // where there are some, they are what is drawn
+    BentNormals bent{};   // written, and not read again
 };
 using BakedVisibility = std::vector<SeenByInstance>;  // one per instance of the scene
 

@@ -25,14 +25,17 @@ void check(int status, const std::string& name) {
     if (status != 0) throw Error(name + ": cannot be read as PNG: " + spng_strerror(status));
 }
 
-size_t samplesOf(const RgbaImage& image) { return 4 * size_t(image.width) * size_t(image.height); }
+size_t samplesOf(const PngImage& image) { return size_t(image.channels) * size_t(image.width) * size_t(image.height); }
 
 }  // namespace
 
-std::vector<unsigned char> encodePng(const RgbaImage& image) {
+std::vector<unsigned char> encodePng(const PngImage& image) {
     const Context context = makeContext(SPNG_CTX_ENCODER);
     spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
-    spng_ihdr header{uint32_t(image.width), uint32_t(image.height), uint8_t(image.bits), SPNG_COLOR_TYPE_TRUECOLOR_ALPHA, 0, 0, 0};
+    const auto colours = image.channels == 1 ? SPNG_COLOR_TYPE_GRAYSCALE
+                       : image.channels == 3 ? SPNG_COLOR_TYPE_TRUECOLOR
+                                             : SPNG_COLOR_TYPE_TRUECOLOR_ALPHA;
+    spng_ihdr header{uint32_t(image.width), uint32_t(image.height), uint8_t(image.bits), uint8_t(colours), 0, 0, 0};
     spng_set_ihdr(context.get(), &header);
     int status;
     if (image.bits == 16) {
@@ -51,6 +54,14 @@ std::vector<unsigned char> encodePng(const RgbaImage& image) {
 
 namespace {
 
+// 0: of a kind that decodePng does not read.
+int channelsOf(const spng_ihdr& header) {
+    return header.color_type == SPNG_COLOR_TYPE_GRAYSCALE       ? 1
+         : header.color_type == SPNG_COLOR_TYPE_TRUECOLOR       ? 3
+         : header.color_type == SPNG_COLOR_TYPE_TRUECOLOR_ALPHA ? 4
+                                                                : 0;
+}
+
 // Throws Error unless it is a PNG that decodePng reads.
 spng_ihdr headerOf(spng_ctx* context, std::span<const unsigned char> bytes, const std::string& name) {
     check(spng_set_image_limits(context, kLargestPng, kLargestPng), name);
@@ -58,10 +69,10 @@ spng_ihdr headerOf(spng_ctx* context, std::span<const unsigned char> bytes, cons
     check(spng_set_png_buffer(context, bytes.data(), bytes.size()), name);
     spng_ihdr header{};
     check(spng_get_ihdr(context, &header), name);
-    if (header.color_type != SPNG_COLOR_TYPE_TRUECOLOR_ALPHA || (header.bit_depth != 8 && header.bit_depth != 16))
-        throw Error(name + ": is no PNG of four channels of 8 or 16 bits");
+    if (channelsOf(header) == 0 || (header.bit_depth != 8 && header.bit_depth != 16))
+        throw Error(name + ": is no PNG of one, three or four channels of 8 or 16 bits");
     // Deflate makes at most 1032 bytes of one.
-    if (double(header.width) * header.height * header.bit_depth / 2 > 1032.0 * double(bytes.size()))
+    if (double(header.width) * header.height * channelsOf(header) * header.bit_depth / 8 > 1032.0 * double(bytes.size()))
         throw Error(name + ": is damaged: it has fewer bytes than its pixels need");
     return header;
 }
@@ -73,10 +84,10 @@ glm::ivec2 sizeOfPng(std::span<const unsigned char> bytes, const std::string& na
     return {header.width, header.height};
 }
 
-RgbaImage decodePng(std::span<const unsigned char> bytes, const std::string& name) {
+PngImage decodePng(std::span<const unsigned char> bytes, const std::string& name) {
     const Context context = makeContext(0);
     const spng_ihdr header = headerOf(context.get(), bytes, name);
-    RgbaImage out{int(header.width), int(header.height), header.bit_depth, {}};
+    PngImage out{int(header.width), int(header.height), header.bit_depth, {}, channelsOf(header)};
     if (out.bits == 16) {
         out.samples.resize(samplesOf(out));
         check(spng_decode_image(context.get(), out.samples.data(), samplesOf(out) * 2, SPNG_FMT_PNG, 0), name);

@@ -117,8 +117,8 @@ struct Codes {
     float most;
 };
 
-RgbaImage imageOf(const SeenOnTexels& seen, const glm::mat3& toLocal, int bits) {
-    RgbaImage out{seen.width, seen.height, bits, {}};
+PngImage imageOf(const SeenOnTexels& seen, const glm::mat3& toLocal, int bits) {
+    PngImage out{seen.width, seen.height, bits, {}, 4};
     out.samples.reserve(4 * seen.visibility.size());
     const Codes codes(bits);
     for (const Visibility& v : seen.visibility) {
@@ -128,7 +128,7 @@ RgbaImage imageOf(const SeenOnTexels& seen, const glm::mat3& toLocal, int bits) 
     return out;
 }
 
-SeenOnTexels seenIn(const RgbaImage& image, const glm::mat3& toWorld) {
+SeenOnTexels seenIn(const PngImage& image, const glm::mat3& toWorld) {
     SeenOnTexels out{image.width, image.height, {}, {}, image.bits};
     const Codes codes(image.bits);
     for (size_t i = 0; i + 3 < image.samples.size(); i += 4) {
@@ -141,27 +141,16 @@ SeenOnTexels seenIn(const RgbaImage& image, const glm::mat3& toWorld) {
     return out;
 }
 
-bool isOurs(const Json& image) {
-    const auto name = image.is_object() ? image.find("name") : image.end();
-    return image.is_object() && name != image.end() && *name == kImageName;
-}
-
-size_t indexIn(const Json& entry, const char* key) {
-    const auto found = entry.is_object() ? entry.find(key) : entry.end();
-    return entry.is_object() && found != entry.end() && found->is_number_unsigned() ? found->get<size_t>() : SIZE_MAX;
+bool isCalled(const Json& image, const char* name) {
+    const auto found = image.is_object() ? image.find("name") : image.end();
+    return image.is_object() && found != image.end() && *found == name;
 }
 
 // Makes the set of the primitive's texture coordinates that an image lies over those of the surface.
 void useCoordinates(const GltfDocument& document, const Json& primitive, size_t set, Surface& surface, const std::string& where) {
     if (!surface.coordinates.empty() && size_t(surface.coordinateSet) == set) return;
-    const auto found = primitive["attributes"].find("TEXCOORD_" + std::to_string(set));
-    if (found == primitive["attributes"].end()) throw Error(where + " has no texture coordinates any more");
-    const std::vector<float> values = readAccessor(document, found->get<size_t>(), 2);
-    surface.coordinates.clear();
-    for (size_t v = 0; v < surface.positions.size(); ++v) {
-        const size_t from = surface.splitFrom.empty() ? v : surface.splitFrom[v];
-        surface.coordinates.emplace_back(values.at(2 * from), values.at(2 * from + 1));
-    }
+    if (!primitive["attributes"].contains("TEXCOORD_" + std::to_string(set))) throw Error(where + " has no texture coordinates any more");
+    surface.coordinates = readCoordinates(document, primitive, set, surface);
     surface.coordinateSet = int(set);
 }
 
@@ -225,6 +214,26 @@ void setTexelNormals(const Scene& scene, size_t instance, const TexelMap& map, S
                                                     : surfaceAt(scene, int(instance), texel.triangle, texel.barycentrics).looking());
 }
 
+std::vector<glm::vec2> readCoordinates(const GltfDocument& document, const Json& primitive, size_t set, const Surface& surface) {
+    const std::vector<float> values = readAccessor(document, primitive["attributes"]["TEXCOORD_" + std::to_string(set)].get<size_t>(), 2);
+    std::vector<glm::vec2> out;
+    for (size_t v = 0; v < surface.positions.size(); ++v) {
+        const size_t from = surface.splitFrom.empty() ? v : surface.splitFrom[v];
+        out.emplace_back(values.at(2 * from), values.at(2 * from + 1));
+    }
+    return out;
+}
+
+size_t indexIn(const Json& entry, const char* key) {
+    const auto found = entry.is_object() ? entry.find(key) : entry.end();
+    return entry.is_object() && found != entry.end() && found->is_number_unsigned() ? found->get<size_t>() : SIZE_MAX;
+}
+
+size_t addSampler(Json& json) {
+    json["samplers"].push_back({{"magFilter", 9729}, {"minFilter", 9987}, {"wrapS", 33071}, {"wrapT", 33071}});
+    return json["samplers"].size() - 1;
+}
+
 Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits) {
     Json out;
     Json& json = writer.json();
@@ -233,12 +242,8 @@ Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& vi
         const SeenOnTexels& seen = visibility[i].texels;
         if (seen.visibility.empty()) continue;
         const Instance& instance = scene.instances[i];
-        if (sampler == SIZE_MAX) {
-            sampler = listOf(json, "samplers").size();
-            // Linear, between mips too; no repetition.
-            json["samplers"].push_back({{"magFilter", 9729}, {"minFilter", 9987}, {"wrapS", 33071}, {"wrapT", 33071}});
-        }
-        const RgbaImage image = imageOf(seen, glm::transpose(rotationPart(instance.toWorld)), bits);
+        if (sampler == SIZE_MAX) sampler = addSampler(json);
+        const PngImage image = imageOf(seen, glm::transpose(rotationPart(instance.toWorld)), bits);
         const size_t view = writer.addView(encodePng(image)), texture = listOf(json, "textures").size();
         json["textures"].push_back({{"sampler", sampler}, {"source", listOf(json, "images").size()}});
         json["images"].push_back({{"name", kImageName}, {"mimeType", "image/png"}, {"bufferView", view}});
@@ -255,25 +260,27 @@ std::set<size_t> removeTexels(Json& json) {
     Json& baked = json["asset"]["extras"]["apertura"];
     const Json entries = listOf(baked, kEntry);
     baked.erase(kEntry);
+    // The last first: what was added behind them would change its place, and what materials refer to is theirs now.
+    for (size_t e = entries.is_array() ? entries.size() : 0; e-- > 0;)
+        removeTexture(json, indexIn(entries[e], "texture"), kImageName, views);
+    return views;
+}
+
+void removeTexture(Json& json, size_t texture, const char* name, std::set<size_t>& views) {
     const auto isLast = [&](const char* list, size_t index) { return index != SIZE_MAX && index + 1 == listOf(json, list).size(); };
     const auto usesOf = [&](const char* member, size_t index) {
         size_t uses = 0;
-        for (const Json& texture : listOf(json, "textures")) uses += indexIn(texture, member) == index;
+        for (const Json& other : listOf(json, "textures")) uses += indexIn(other, member) == index;
         return uses;
     };
-    // The last first: what was added behind them would change its place, and what materials refer to is theirs now.
-    for (size_t e = entries.is_array() ? entries.size() : 0; e-- > 0;) {
-        const size_t texture = indexIn(entries[e], "texture");
-        if (!isLast("textures", texture) || refersTo(listOf(json, "materials"), texture)) continue;
-        const size_t source = indexIn(json["textures"][texture], "source"), sampler = indexIn(json["textures"][texture], "sampler");
-        if (!isLast("images", source) || usesOf("source", source) > 1 || !isOurs(json["images"][source])) continue;
-        if (const size_t view = indexIn(json["images"][source], "bufferView"); view != SIZE_MAX) views.insert(view);
-        json["textures"].erase(texture), json["images"].erase(source);
-        if (isLast("samplers", sampler) && usesOf("sampler", sampler) == 0) json["samplers"].erase(sampler);
-    }
+    if (!isLast("textures", texture) || refersTo(listOf(json, "materials"), texture)) return;
+    const size_t source = indexIn(json["textures"][texture], "source"), sampler = indexIn(json["textures"][texture], "sampler");
+    if (!isLast("images", source) || usesOf("source", source) > 1 || !isCalled(json["images"][source], name)) return;
+    if (const size_t view = indexIn(json["images"][source], "bufferView"); view != SIZE_MAX) views.insert(view);
+    json["textures"].erase(texture), json["images"].erase(source);
+    if (isLast("samplers", sampler) && usesOf("sampler", sampler) == 0) json["samplers"].erase(sampler);
     for (const char* list : {"textures", "images", "samplers"})
         if (json.contains(list) && json[list].empty()) json.erase(list);
-    return views;
 }
 
 void readTexels(Asset& asset, const Json& described) {
@@ -301,7 +308,7 @@ void readTexels(Asset& asset, const Json& described) {
         const size_t texture = indexIn(entry, "texture");
         const size_t source = texture < listOf(document.json, "textures").size() ? indexIn(document.json["textures"][texture], "source")
                                                                                  : SIZE_MAX;
-        if (source >= listOf(document.json, "images").size() || !isOurs(document.json["images"][source]))
+        if (source >= listOf(document.json, "images").size() || !isCalled(document.json["images"][source], kImageName))
             throw Error(where + " is not there any more");
         const size_t view = indexIn(document.json["images"][source], "bufferView");
         const std::span<const unsigned char> png = view == SIZE_MAX ? std::span(*document.images[source]) : viewBytes(document, view);
@@ -310,7 +317,9 @@ void readTexels(Asset& asset, const Json& described) {
         requireMemory(scene.name, "its images", bytes);
         requireMappable(surface, size.x, size.y, where);
         SeenOnTexels& texels = asset.seen[i].texels;
-        texels = seenIn(decodePng(png, where), rotationPart(instance.toWorld));
+        const PngImage image = decodePng(png, where);
+        if (image.channels != 4) throw Error(where + " is no PNG of four channels");
+        texels = seenIn(image, rotationPart(instance.toWorld));
         setTexelNormals(scene, i, mapTexels(surface, size.x, size.y), texels);
     }
     if (without > 0)

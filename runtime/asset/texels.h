@@ -34,6 +34,9 @@ struct TexelMap {
     size_t drawn() const;
 };
 
+// TEXCOORD_`set` of a primitive that a surface was read from, one per position. The primitive must have it.
+std::vector<glm::vec2> readCoordinates(const GltfDocument& document, const Json& primitive, size_t set, const Surface& surface);
+
 // Throws nothing; `surface` must have coordinates, all of them finite and within 0..1.
 TexelMap mapTexels(const Surface& surface, int width, int height);
 
@@ -42,6 +45,14 @@ void setTexelNormals(const Scene& scene, size_t instance, const TexelMap& map, S
 
 // The images of a scene in a document: adds them to it and returns their description, or null where no instance has one.
 Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits);
+
+// Of a texture by its index: removes it from the document if it is the last one and nothing else uses it, with its image, if that is called
+// `name`, and its sampler. Adds the view that held the image to `views`.
+void removeTexture(Json& json, size_t texture, const char* name, std::set<size_t>& views);
+// The index that `key` names in an entry; SIZE_MAX where there is none.
+size_t indexIn(const Json& entry, const char* key);
+// A sampler for images of visibility, added to the document: linear, between mips too, without repetition.
+size_t addSampler(Json& json);
 
 // Takes out the images that an earlier bake added, but for those behind which others were added, or to which a material refers. Returns the
 // views that they held.

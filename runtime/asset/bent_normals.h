@@ -1,0 +1,23 @@
+#pragma once
+// Bent normals and occlusion, as engines read them: how an asset holds the two images.
+#include <set>
+#include <string>
+
+#include "runtime/asset/asset.h"
+#include "runtime/asset/gltf_writer.h"
+
+namespace apertura {
+
+// The images of a scene in a document: adds them to it and returns their description, or null where no instance has one. The first holds
+// x, y and z in red, green and blue, (1 + number) / 2 each; the second is grey. Every primitive that has them gets a material of its own, a
+// copy of the file's, whose occlusionTexture is the second; no material of glTF has a place for the first.
+Json addBentNormals(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits);
+
+// Takes out the images that an earlier bake added, and gives primitives their own materials back, as far as nobody changed either. Tangents
+// stay. Adds the views that images were in to `views`.
+void removeBentNormals(Json& json, std::set<size_t>& views);
+
+// How many instances have such images, as `described`, asset.extras.apertura, says.
+int countBentNormals(const Json& described);
+
+}  // namespace apertura
