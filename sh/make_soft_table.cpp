@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "sh/soft_grid.h"
 #include "sh/soft_solve.h"
+#include "shaders/soft_grid.glsl"
 
 using namespace apertura;
 
@@ -15,27 +15,27 @@ int main(int argc, char** argv) {
     if (!out) return 1;
     constexpr double pi = std::numbers::pi;
     std::fprintf(out, "// Made by make_soft_table: for each area and psi the hard boundary, then its nodes.\n");
-    for (int i = 0; i < soft_grid::kAreas; ++i) {
-        const double least = soft_grid::kLeastArea;
-        const double u = double(i) / (soft_grid::kAreas - 1);
+    for (int i = 0; i < SOFT_AREAS; ++i) {
+        const double least = SOFT_LEAST_AREA;
+        const double u = double(i) / (SOFT_AREAS - 1);
         const double x = std::clamp(u * u / (u * u + (1 - u) * (1 - u)), least, 1 - least);
         const double area = 2 * pi * x, haze = softStepInverse(x);
         const HardBoundary boundary(area);
-        for (int j = 0; j < soft_grid::kPsis; ++j) {
-            const double p = 1 - 2.0 * j / (soft_grid::kPsis - 1), psi = std::atan2(1 - std::abs(p), p);
+        for (int j = 0; j < SOFT_PSIS; ++j) {
+            const double p = 1 - 2.0 * j / (SOFT_PSIS - 1), psi = std::atan2(1 - std::abs(p), p);
             const double edge = boundary(psi);
-            std::fprintf(out, "{%.8ef, {", edge);
-            for (int k = 0; k < soft_grid::kReaches; ++k) {
-                const double reach = std::max<double>(soft_grid::kReach * k / (soft_grid::kReaches - 1), 1e-4);
+            std::fprintf(out, "%.8ef,", edge);
+            for (int k = 0; k < SOFT_REACHES; ++k) {
+                const double reach = std::max<double>(SOFT_REACH * k / (SOFT_REACHES - 1), 1e-4);
                 const double rho = 1 - (1 - reach) * (1 - reach);
                 const double length = rho * edge * area / 2 * (1 - x);
                 const SoftSolution s = solveSoft({area, area / 2 + length * std::cos(psi), length * std::sin(psi)});
                 const double sharp = std::hypot(s.n, s.t);
-                std::fprintf(out, "{%.8ef,%.8ef,%.8ef},", sharp * std::sqrt((1 - rho) * x * (1 - x)) / rho,
+                std::fprintf(out, "%.8ef,%.8ef,%.8ef,", sharp * std::sqrt((1 - rho) * x * (1 - x)) / rho,
                              std::tan(std::remainder(std::atan2(s.t, s.n) - psi, 2 * pi) / 2),
                              s.offset / std::sqrt(1 + haze * haze + sharp * sharp));
             }
-            std::fprintf(out, "}},\n");
+            std::fprintf(out, "\n");
         }
     }
     return std::fclose(out) == 0 ? 0 : 1;

@@ -35,39 +35,17 @@ ModelParams capAndAnti(const Visibility& any, const vec3& normal) {
     return paramsOf(withTwoCaps({}, {toAperture(v, normal), toAperture(blocked, normal), sum > 1e-6f ? open / sum : 0, 0}));
 }
 
-// The limit of |slope| + |offset|, so that a lobe stays within what 16-bit floats can square, anywhere on the sphere.
-constexpr double kFarthest = 250;
-
-// Limits a lobe's sharpness so that its edge is no narrower than the sun: a point-like light would step over a harder
-// one. The lobe keeps the area of the sphere that it lets through, or the area that it blocks where that is less. With a
-// slope of length S this area is 2 pi / S times the integral of softStep up to its value f at the axis, (f + sqrt(1 +
-// f^2)) / 2. (Where the horizon cuts the lobe, the part above it changes.)
-vec4 limitSharpness(const vec4& lobe) {
-    constexpr double kSharpest = 240;
-    const double sharp = length(dvec3(lobe)), side = lobe.w > 0 ? -1 : 1;
-    if (!(sharp > kSharpest) && !(sharp + std::abs(lobe.w) > kFarthest)) return lobe;
-    if (sharp < 1e-6) return vec4(vec3(0), float(-side * kFarthest));
-    const double peak = sharp + side * lobe.w, root = std::sqrt(1 + peak * peak);
-    const double height = std::clamp((peak > 0 ? peak + root : 1 / (root - peak)) / (2 * sharp), 1e-12, 1.0);  // area / 2 pi
-    // A slope S gives that area if f = S height - 1 / (4 S height), with the offset f - S. The sharpest S within the
-    // limit solves S + (S - f) = kFarthest. If no S gives so small an area, the faintest lobe is taken.
-    const double left = kFarthest * kFarthest - (2 - height) / height;
-    const double S = std::min({(kFarthest + std::sqrt(std::max(left, 0.0))) / (2 * (2 - height)), sharp, kSharpest});
-    const double f = std::max(S * height - 1 / (4 * S * height), 2 * S - kFarthest);
-    return vec4(vec3(dvec3(lobe) * (S / sharp)), float(side * (f - S)));
-}
-
 // Scales a quadric down to the same limit. Its edge becomes softer, its area stays nearly the same.
 SoftQuadric limitQuadric(const SoftQuadric& q) {
     const double bend = glm::dot(glm::dvec4(q.bend), glm::dvec4(q.bend)) + double(q.bendYz) * q.bendYz;
     const double reach = length(dvec3(q.slope)) + std::abs(q.offset) + std::sqrt(bend);
-    const float scale = float(std::min(1.0, kFarthest / std::max(reach, 1e-6)));
+    const float scale = float(std::min(1.0, LOBE_FARTHEST / std::max(reach, 1e-6)));
     return {q.slope * scale, q.offset * scale, q.bend * scale, q.bendYz * scale};
 }
 
 ModelParams oneLobe(const Visibility& v, const vec3& normal) {
     const SoftAperture s = toSoft(v, normal);
-    return {limitSharpness(vec4(s.slope, s.offset))};
+    return {limitedLobe(vec4(s.slope, s.offset))};
 }
 
 using enum Field;
@@ -232,7 +210,7 @@ ModelParams completed(const Model& model, const ModelParams& stored) {
     switch (model.kind) {
         case ModelKind::Quadric: r = withQuadric(r, limitQuadric(quadricIn(r))); break;
         case ModelKind::Lobes:
-            for (int k = 0; k < model.parts; ++k) r.params[k] = limitSharpness(r.params[k]);
+            for (int k = 0; k < model.parts; ++k) r.params[k] = limitedLobe(r.params[k]);
             break;
         case ModelKind::Union:
             for (int k = 0; k < model.parts; ++k) r = withApertureOfUnion(r, model.parts, k, withTerms(r.params[k]));

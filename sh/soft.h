@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "sh/sh4.h"
 #include "sh/shading.h"
 
@@ -10,5 +12,11 @@ namespace apertura {
 // (soft_solve.h) at those receivers of the built-in scenes that are open by 0.001..0.999 and have a slope below 1000.
 // Harder edges are softened to the limit of the table.
 SoftAperture toSoft(const Visibility& v, const vec3& normal);
+
+// A lobe, slope and offset, no sharper than formulas can use: limitSharpness of shaders/soft_table.glsl.
+vec4 limitedLobe(const vec4& lobe);
+
+// The table, for shaders that look it up themselves: SOFT_AREAS * SOFT_PSIS columns of SOFT_COLUMN numbers (shaders/soft_grid.glsl).
+std::span<const float> softTable();
 
 }  // namespace apertura

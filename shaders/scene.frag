@@ -4,6 +4,10 @@
 #include "texels.glsl"
 #include "vertex_params.glsl"
 
+layout(std430, set = 0, binding = 6) readonly buffer SoftTable { float softTable[]; };
+float softTableAt(int i) { return softTable[i]; }
+#include "soft_table.glsl"
+
 // One pipeline per model and class of lights. This text is compiled several times, so that each calls irradianceThrough in one place:
 // drivers copy it, with every model, to each.
 //   APERTURA_CORNERS    0: the parameters are interpolated; 3: the light at the three corners is, because the lobes of neighbouring
@@ -39,6 +43,18 @@ void addReceiver(Receiver receiver, float share) {
     sky += share * skyIrradiance(model, receiver);
 }
 
+// The four texels of one of a footprint's places in one of its two mips, and their shares.
+vec4 texelShares(TexelFootprint footprint, int cell, out uvec4 texels) {
+    int width = int(firstCell.y), height = int(firstCell.z);
+    int tap = cell % footprint.taps, upper = cell / footprint.taps;
+    int level = int(footprint.level) + upper;
+    vec2 at = place + (float(tap) - 0.5 * float(footprint.taps - 1)) * footprint.step;
+    TexelCell found = texelCellAt(placeInMip(at, width, height, level), mipSize(width, level), mipSize(height, level));
+    texels = firstCell.x + uint(firstOfMip(width, height, level)) + uvec4(found.texels);
+    float part = fract(footprint.level);
+    return (upper == 1 ? part : 1.0 - part) / float(footprint.taps) * found.weights;
+}
+
 void main() {
     vec3 normal = normalize(worldNormal);
     // The three samples about the pixel, or four texels.
@@ -49,26 +65,45 @@ void main() {
         around.xyz += uvec3(cell.samples);
         shares.xyz = cell.weights;
     }
-    if (onTexels && pitch == 0.0) {
-        TexelCell cell = texelCellAt(place, int(firstCell.y), int(firstCell.z));
-        around = firstCell.x + uvec4(cell.texels);
-        shares = cell.weights;
+    // In an image: four texels at each place that the pixel covers, in one mip or two.
+    int cells = 1;
+    bool inImage = onTexels && pitch == 0.0;
+    TexelFootprint footprint;
+    if (onTexels) {
+        vec2 across = dFdx(place), down = dFdy(place);  // of all pixels, beside those of other triangles too
+        if (inImage) {
+            footprint = texelFootprint(across, down, mipCount(int(firstCell.y), int(firstCell.z)));
+            cells = footprint.taps * (fract(footprint.level) > 0.0 ? 2 : 1);
+        }
     }
     const int corners = onTexels ? 4 : 3;
-#if APERTURA_CORNERS == 3
-    for (int c = 0; c < corners; ++c) addReceiver(receiverOf(around[c], normal), shares[c]);
-#elif APERTURA_CORNERS == 1
+#if APERTURA_CORNERS == 1
     addReceiver(receiverOf(around[0], normal), shares[0]);
 #else
+#if APERTURA_CORNERS == 0
     Receiver receiver;
     receiver.normal = normal;
     receiver.visibility = vec4(0.0);
     for (int k = 0; k < MAX_SLOTS; ++k) receiver.params[k] = vec4(0.0);
-    for (int c = 0; c < corners; ++c) {
-        receiver.visibility += shares[c] * seen[around[c]];
-        for (uint k = 0; k < slots; ++k) receiver.params[k] += shares[c] * allParams[around[c] * slots + k];
+#endif
+    for (int cell = 0; cell < cells; ++cell) {
+        if (inImage) shares = texelShares(footprint, cell, around);
+        for (int c = 0; c < corners; ++c) {
+#if APERTURA_CORNERS == 3
+            addReceiver(receiverOf(around[c], normal), shares[c]);
+#else
+            receiver.visibility += shares[c] * seen[around[c]];
+            for (uint k = 0; k < slots && !(inImage && model == MODEL_SOFT); ++k)
+                receiver.params[k] += shares[c] * allParams[around[c] * slots + k];
+#endif
+        }
     }
+#if APERTURA_CORNERS == 0
+    // What is filtered is converted after: a texel that is closed and one that is open are half open between them.
+    if (inImage && model == MODEL_SOFT)
+        receiver.params[0] = limitSharpness(softFrom(receiver.visibility.xyz, receiver.visibility.w, normal));
     addReceiver(renormalised(model, receiver), 1.0);
+#endif
 #endif
     // The sky fills the part of the opening that the lights leave.
     irradiance += max(sky - lit, 0.0) * frame.sky.rgb;

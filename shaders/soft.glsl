@@ -12,6 +12,9 @@ struct SoftAperture {
     lpfloat offset;
 };
 
+// The limit of |slope| + |offset|, so that a lobe stays within what 16-bit floats can square, anywhere on the sphere.
+const float LOBE_FARTHEST = 250.0f;
+
 APERTURA_FN lpfloat softStep(lpfloat f) { return lpfloat(0.5) + lpfloat(0.5) * f * inversesqrt(lpfloat(1.0) + f * f); }
 
 // The constants of an average of softStep over a cap light: fitted to the integral, with a penalty on steps that no light

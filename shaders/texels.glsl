@@ -26,6 +26,48 @@ APERTURA_FN TexelCell texelCellAt(vec2 place, int width, int height) {
                      vec4((1.0f - x) * (1.0f - y), x * (1.0f - y), (1.0f - x) * y, x * y));
 }
 
+// Mips: each has half the texels of the one before across and down, rounded down, and at least one; the last has one.
+APERTURA_FN int mipSize(int size, int level) { return max(size >> level, 1); }
+APERTURA_FN int mipCount(int width, int height) {
+    int count = 1;
+    while ((max(width, height) >> count) > 0) ++count;
+    return count;
+}
+// Where a mip's texels begin, if they lie one mip after another.
+APERTURA_FN int firstOfMip(int width, int height, int level) {
+    int first = 0;
+    for (int l = 0; l < level; ++l) first += mipSize(width, l) * mipSize(height, l);
+    return first;
+}
+
+// What of an image a pixel covers: `taps` places, a `step` apart in texels of the image itself, the middle one being the pixel's, each as
+// wide as a texel of mip `level`.
+struct TexelFootprint {
+    vec2 step;
+    int taps;
+    float level;
+};
+
+const int MOST_TAPS = 8;
+
+// `across`, `down`: how far the place moves, in texels, from this pixel to the next ones. A pixel that is seen at a slant takes several
+// places along the longer of the two, as EXT_texture_filter_anisotropic describes it.
+APERTURA_FN TexelFootprint texelFootprint(vec2 across, vec2 down, int mips) {
+    float a = length(across);
+    float b = length(down);
+    float longest = max(a, b);
+    float ratio = min(longest / max(min(a, b), 1e-6f), longest);
+    float taps = clamp(ceil(ratio), 1.0f, float(MOST_TAPS));
+    float level = clamp(log2(max(longest / taps, 1.0f)), 0.0f, float(mips - 1));
+    return TexelFootprint((a >= b ? across : down) / taps, int(taps), level);
+}
+
+// Of a place in the image, the same place in one of its mips.
+APERTURA_FN vec2 placeInMip(vec2 place, int width, int height, int level) {
+    vec2 scale = vec2(float(mipSize(width, level)) / float(width), float(mipSize(height, level)) / float(height));
+    return (place + vec2(0.5f)) * scale - vec2(0.5f);
+}
+
 // Texture coordinates in texels from the middle of texel (0, 0).
 APERTURA_FN vec2 placeInImage(vec2 coordinates, float width, float height) { return coordinates * vec2(width, height) - vec2(0.5f); }
 

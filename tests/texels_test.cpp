@@ -364,5 +364,113 @@ TEST(TexelImages, AreDrawn) {
     EXPECT_EQ(splitGeometry(imaged, {.vertices = 1000, .samples = 100, .triangles = 1000}).size(), 2u);
 }
 
+TEST(TexelMips, KeepTheMeanAndWhatIsLinear) {
+    Random random(6);
+    for (const auto& [w, h] : {std::pair(8, 8), {7, 5}, {1, 6}, {13, 1}, {2, 3}}) {
+        SeenOnTexels image{w, h, {}, {}, 8};
+        double mean = 0;
+        for (int k = 0; k < w * h; ++k) {
+            image.visibility.push_back({glm::vec3(float(k % w) + 0.5f, float(k / w) + 0.5f, 0), float(random(0, 6))});
+            image.normals.emplace_back(0, 1, 0);
+            mean += image.visibility.back().area / (w * h);
+        }
+        size_t all = 0;
+        int level = 0;
+        for (SeenOnTexels mip = image;; mip = halved(mip), ++level) {
+            EXPECT_EQ(mip.width, mipSize(w, level));
+            EXPECT_EQ(mip.height, mipSize(h, level));
+            EXPECT_EQ(int(all), firstOfMip(w, h, level));
+            all += mip.visibility.size();
+            double sum = 0;
+            for (size_t k = 0; k < mip.visibility.size(); ++k) {
+                const int x = int(k) % mip.width, y = int(k) / mip.width;
+                sum += mip.visibility[k].area / double(mip.visibility.size());
+                // The place in the image, of the middle of what the texel covers; texels that are covered in part count as a whole.
+                EXPECT_NEAR(mip.visibility[k].direction.x, (x + 0.5) * w / mip.width, w == 8 ? 1e-4 : 0.13);
+                EXPECT_NEAR(mip.visibility[k].direction.y, (y + 0.5) * h / mip.height, h == 8 ? 1e-4 : 0.13);
+            }
+            EXPECT_NEAR(sum, mean, 1e-5);
+            if (mip.visibility.size() == 1) break;
+        }
+        EXPECT_EQ(all, texelsWithMips(w, h));
+        EXPECT_EQ(level + 1, mipCount(w, h));
+    }
+}
+
+TEST(TexelMips, FootprintsCoverThePixel) {
+    Random random(7);
+    for (int trial = 0; trial < 1000; ++trial) {
+        const float length = float(std::exp2(random(-3, 8))), ratio = float(std::exp2(random(0, 5)));
+        const glm::vec2 along(glm::dvec2(std::cos(trial), std::sin(trial))), beside(-along.y, along.x);
+        const glm::vec2 longer = length * along, shorter = length / ratio * beside;
+        const bool turned = trial % 2;
+        const TexelFootprint f = texelFootprint(turned ? shorter : longer, turned ? longer : shorter, 12);
+        ASSERT_TRUE(f.taps >= 1 && f.taps <= MOST_TAPS);
+        EXPECT_LT(glm::length(float(f.taps) * f.step - longer), 1e-4f * length);
+        const double width = std::exp2(double(f.level)), needed = length / std::min({double(ratio), double(MOST_TAPS), double(length)});
+        // A tap is as wide as the pixel's short side where there are enough of them, and never much wider than what it stands for.
+        EXPECT_GE(width, 0.999 * std::min(double(length) / f.taps, 2048.0));
+        EXPECT_LE(width, 1.001 * std::max(needed, 1.0));
+        EXPECT_LE(f.taps, std::ceil(length));
+    }
+}
+
+// A floor of stripes, seen from far away and at a slant, beside a picture of eight times the size whose pixels are averaged.
+TEST(TexelMips, AreDrawnWithoutAliases) {
+    const Gpu gpu;
+    Scene scene;
+    scene.name = "stripes";
+    Surface floor;
+    for (const auto& [x, z] : {std::pair(-20, -20), {20, -20}, {20, 20}, {-20, 20}}) {
+        floor.positions.emplace_back(x, 0, z);
+        floor.normals.emplace_back(0, 1, 0);
+        floor.coordinates.emplace_back(0.5f + float(x) / 40, 0.5f + float(z) / 40);
+    }
+    floor.triangles = {{0, 2, 1}, {0, 3, 2}};
+    scene.surfaces = {floor};
+    scene.instances = {{0}};
+    const int side = 256;
+    const auto imaged = [&](const std::function<bool(int, int)>& isOpen) {
+        Asset out{scene, {}, {}};
+        out.seen.push_back({std::vector<Visibility>(4), {}, {}, {}});
+        SeenOnTexels& texels = out.seen[0].texels;
+        texels = {side, side, {}, std::vector<glm::vec3>(side * side, {0, 1, 0}), 8};
+        for (int k = 0; k < side * side; ++k)
+            texels.visibility.push_back(isOpen(k % side, k / side) ? Visibility{{0, float(pi), 0}, float(2 * pi)} : Visibility{});
+        return out;
+    };
+    const auto drawn = [&](const Asset& asset, const char* model, int scale) {
+        View view;
+        view.camera = {{0, 3, 22}, {0, 0, -4}};
+        view.width = 48 * scale, view.height = 24 * scale;
+        view.lights = {directionalLight({0, 1, 0}, 0.1, glm::vec3(1))};
+        view.sky = glm::vec3(0);
+        return Renderer(gpu, asset).draw(view, *findModel(model));
+    };
+    const auto error = [&](const Asset& asset, const char* model) {
+        const Picture small = drawn(asset, model, 1);
+        Picture large = drawn(asset, model, 8);
+        for (int k = 0; k < 3; ++k) large = halved(large);
+        double sum = 0, most = 0;
+        int count = 0;
+        for (int y = 12; y < 24; ++y)  // the floor alone: its outline is not filtered
+            for (int x = 6; x < 42; ++x) {
+                const size_t at = size_t(y * 48 + x);
+                const double e = small.pixels[at].g - large.pixels[at].g;
+                sum += e * e, ++count;
+                most = std::max(most, double(large.pixels[at].g));
+            }
+        return std::sqrt(sum / count) / most;
+    };
+    // Models that know what is half open everywhere; of the last the light is mixed, of the others what they make of it.
+    for (const char* model : {"sh-l1", "soft", "alpha"}) {
+        const double away = error(imaged([](int, int y) { return y % 2 == 0; }), model);
+        const double along = error(imaged([](int x, int) { return x / 4 % 2 == 0; }), model);
+        std::printf("%s: stripes across err by %.3f, along by %.3f\n", model, away, along);
+        EXPECT_LT(away, 0.06) << model;   // without mips .3
+        EXPECT_LT(along, 0.08) << model;  // without places along the longer side they are lost
+    }
+}
+
 }  // namespace
 }  // namespace apertura::test

@@ -207,6 +207,47 @@ TexelMap mapTexels(const Surface& surface, int width, int height) {
     return map;
 }
 
+SeenOnTexels halved(const SeenOnTexels& texels) {
+    SeenOnTexels out{mipSize(texels.width, 1), mipSize(texels.height, 1), {}, {}, texels.bits};
+    // Of each texel of the mip, the first and last one that it covers, and the weight of either end.
+    struct Covered {
+        int first, last;
+        float atFirst, atLast;
+    };
+    const auto coveredBy = [](int from, int to) {
+        std::vector<Covered> all;
+        for (int64_t i = 0; i < to; ++i) {
+            const int64_t begin = i * from, end = (i + 1) * from;  // in texels times `to`
+            const auto first = int(begin / to), last = int((end - 1) / to);
+            all.push_back({first, last, float(to - begin % to) / float(to), first == last ? 1.0f : float((end - 1) % to + 1) / float(to)});
+        }
+        return all;
+    };
+    const std::vector<Covered> columns = coveredBy(texels.width, out.width), rows = coveredBy(texels.height, out.height);
+    const auto weight = [](const Covered& c, int i) { return i == c.first ? c.atFirst : i == c.last ? c.atLast : 1.0f; };
+    for (const Covered& row : rows)
+        for (const Covered& column : columns) {
+            Visibility seen;
+            glm::vec3 normal(0);
+            float all = 0;
+            for (int y = row.first; y <= row.last; ++y)
+                for (int x = column.first; x <= column.last; ++x) {
+                    const float w = weight(row, y) * weight(column, x);
+                    const size_t at = size_t(y) * size_t(texels.width) + size_t(x);
+                    seen.direction += w * texels.visibility[at].direction, seen.area += w * texels.visibility[at].area;
+                    normal += w * texels.normals[at];
+                    all += w;
+                }
+            out.visibility.push_back({seen.direction / all, seen.area / all});
+            const float length = glm::length(normal);
+            out.normals.push_back(length > 0 ? normal / length
+                                             : texels.normals[size_t(row.first) * size_t(texels.width) + size_t(column.first)]);
+        }
+    return out;
+}
+
+size_t texelsWithMips(int width, int height) { return size_t(firstOfMip(width, height, mipCount(width, height))); }
+
 void setTexelNormals(const Scene& scene, size_t instance, const TexelMap& map, SeenOnTexels& texels) {
     texels.normals.clear();
     for (const TexelMap::Texel& texel : map.texels)

@@ -40,6 +40,12 @@ std::vector<glm::vec2> readCoordinates(const GltfDocument& document, const Json&
 // Throws nothing; `surface` must have coordinates, all of them finite and within 0..1.
 TexelMap mapTexels(const Surface& surface, int width, int height);
 
+// The next mip: each texel is the mean of what it covers, by area; both sides halved as mipSize has it. Its normals are unit.
+SeenOnTexels halved(const SeenOnTexels& texels);
+
+// How many texels an image has with all its mips.
+size_t texelsWithMips(int width, int height);
+
 // Fills `texels.normals` of an instance, from the points of the surface that its texels stand for.
 void setTexelNormals(const Scene& scene, size_t instance, const TexelMap& map, SeenOnTexels& texels);
 

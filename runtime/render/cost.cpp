@@ -112,7 +112,8 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
     constexpr auto uniform = vk::DescriptorType::eUniformBufferDynamic, storage = vk::DescriptorType::eStorageBuffer;
     constexpr vk::ShaderStageFlags both = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
     const GpuBindings::Binding lit[] = {{uniform, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr},
-                                        {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr}};
+                                        {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr},
+                                        {storage, both, nullptr}};
     const GpuBindings::Binding mapped[] = {{uniform, both, nullptr},
                                            {storage, both, nullptr},
                                            {storage, both, nullptr},

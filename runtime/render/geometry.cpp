@@ -4,6 +4,7 @@
 #include <array>
 
 #include "runtime/asset/faces.h"
+#include "runtime/asset/texels.h"
 #include "sh/shading.h"
 
 namespace apertura {
@@ -21,6 +22,11 @@ size_t samplesOn(const SeenOnFaces& faces, size_t triangle) {
     return level > 0 ? size_t(latticeSize(latticeSteps(level))) : 0;
 }
 
+// Of an instance's image and its mips.
+size_t texelsOf(const SeenByInstance& seen) {
+    return seen.texels.visibility.empty() ? 0 : texelsWithMips(seen.texels.width, seen.texels.height);
+}
+
 glm::vec3 unitNormal(const glm::mat3& normals, const glm::vec3& normal) {
     const glm::vec3 n = normals * normal;
     const float length = glm::length(n);
@@ -35,7 +41,7 @@ std::vector<GeometryPart> splitGeometry(const Asset& asset, const PartLimits& li
         const Surface& surface = asset.scene.surfaces[size_t(asset.scene.instances[i].surface)];
         const SeenOnFaces& faces = asset.seen[i].faces;
         std::vector<uint32_t> vertexInPart(surface.positions.size(), kNone);
-        const size_t texels = asset.seen[i].texels.visibility.size();
+        const size_t texels = texelsOf(asset.seen[i]);
         const auto begin = [&](size_t triangle) {
             parts.back().pieces.push_back({int(i), triangle, {}, {}});
             parts.back().moreSamples += texels;
@@ -93,7 +99,7 @@ std::vector<uint32_t> indicesOf(const Asset& asset, const GeometryPart& part, bo
     auto first = uint32_t(part.vertices);
     for (const GeometryPiece& piece : part.pieces) {
         const SeenOnFaces& faces = asset.seen[size_t(piece.instance)].faces;
-        const size_t texels = asset.seen[size_t(piece.instance)].texels.visibility.size();
+        const size_t texels = texelsOf(asset.seen[size_t(piece.instance)]);
         if (texels > 0) {
             out.insert(out.end(), piece.triangles(), first << 4 | kTexels);
             first += uint32_t(texels);
@@ -123,7 +129,11 @@ void forSamples(const Asset& asset, const GeometryPart& part, const UseSample& u
     for (const GeometryPiece& piece : part.pieces) {
         const SeenOnFaces& faces = asset.seen[size_t(piece.instance)].faces;
         const SeenOnTexels& texels = asset.seen[size_t(piece.instance)].texels;
-        for (size_t k = 0; k < texels.visibility.size(); ++k) use(texels.visibility[k], nullptr, [&] { return texels.normals[k]; });
+        SeenOnTexels mip;
+        for (const SeenOnTexels* image = &texels; !image->visibility.empty(); image = &mip) {
+            for (size_t k = 0; k < image->visibility.size(); ++k) use(image->visibility[k], nullptr, [&] { return image->normals[k]; });
+            mip = image->visibility.size() > 1 ? halved(*image) : SeenOnTexels();
+        }
         for (size_t t = piece.firstTriangle; texels.visibility.empty() && t < piece.firstTriangle + piece.triangles(); ++t) {
             const int steps = latticeSteps(std::max(faces.level(t), 1));
             for (size_t k = 0; k < samplesOn(faces, t); ++k) {

@@ -17,7 +17,7 @@ struct GeometryPiece {
     size_t triangles() const { return corners.size() / 3; }
 };
 
-// Its samples are numbered: the vertices of all pieces, then the samples on their faces or in their images.
+// Its samples are numbered: the vertices of all pieces, then the samples on their faces, or in their images with all mips.
 struct GeometryPart {
     std::vector<GeometryPiece> pieces;
     size_t vertices = 0, moreSamples = 0, triangles = 0;

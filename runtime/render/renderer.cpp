@@ -10,6 +10,7 @@
 #include "runtime/render/geometry.h"
 #include "runtime/render/scene_shaders.h"
 #include "runtime/render/shadow_map.h"
+#include "sh/soft.h"
 
 namespace apertura {
 namespace {
@@ -34,6 +35,8 @@ GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const GeometryPart& p
     if (model.slots > 0) {
         slots.reserve((part.vertices + part.moreSamples) * size_t(model.slots));
         forSamples(asset, part, [&](const Visibility& visibility, const ModelParams* own, const auto& normal) {
+            // Of texels, `soft` is made in the shader.
+            if (model.id == MODEL_SOFT && slots.size() >= part.vertices && hasTexels(asset) && !hasSamplesOnFaces(asset)) return;
             const ModelParams params = toParams(model, visibility, stored ? own : nullptr, normal());
             slots.insert(slots.end(), params.begin(), params.begin() + model.slots);
         });
@@ -101,6 +104,7 @@ struct Renderer::State {
           frames(frames_),
           onFaces(hasSamplesOnFaces(asset_)),
           onTexels(hasTexels(asset_)),
+          softNumbers(uploadStorage(gpu_, std::vector<float>(softTable().begin(), softTable().end()))),
           noVertices(gpu_, 0, vk::BufferUsageFlagBits::eStorageBuffer, GpuBuffer::Place::Device) {
         for (GeometryPart& part : splitGeometry(asset_, partLimits(gpu_, frames_ + 1))) {
             vertexCount += part.vertices;
@@ -123,6 +127,7 @@ struct Renderer::State {
     bool onFaces, onTexels;
     size_t vertexCount = 0;
     std::vector<Part> parts;
+    GpuBuffer softNumbers;  // softTable
     GpuBuffer noVertices;
     std::optional<PerFrame<Frame>> lit;  // one for each frame and part
     std::optional<ShadowMap> shadow;
@@ -160,7 +165,8 @@ const Renderer::State::ModelBuffers& Renderer::State::buffersOf(Part& part, cons
                                           {storage, vertex, &part.indices},
                                           {storage, shading, &params},
                                           {storage, vertex | shading, litVertices ? &*litVertices : &noVertices},
-                                          {storage, vertex | shading, &part.seen}};
+                                          {storage, vertex | shading, &part.seen},
+                                          {storage, shading, &softNumbers}};
     GpuBindings bindings(gpu, slots);
     return part.buffers.emplace(std::pair(model.id, floats), ModelBuffers{std::move(litVertices), std::move(bindings)}).first->second;
 }

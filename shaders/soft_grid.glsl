@@ -1,0 +1,24 @@
+// The grid of the table from which a soft aperture is made. GLSL and C++ include this text, sh/make_soft_table.cpp too.
+#ifndef APERTURA_SOFT_GRID_GLSL
+#define APERTURA_SOFT_GRID_GLSL
+
+// The coordinates of the nodes, each 0..1 and free of trigonometry. x = A / 2 pi, (n, t) = (D_n - A/2, D_t):
+//   area   sqrt(x) / (sqrt(x) + sqrt(1 - x))
+//   psi    (1 - p) / 2 with p = n / (|n| + t)
+//   reach  (1 - sqrt(1 - rho)) / SOFT_REACH, where rho is |(n, t)| as a fraction of the HardBoundary (sh/soft_solve.h). SOFT_REACH ends
+//          the table where the edge is as hard as float32 and filtering can use
+const int SOFT_AREAS = 26;
+const int SOFT_PSIS = 72;
+const int SOFT_REACHES = 26;
+const float SOFT_REACH = 0.96f;
+// x is clamped to SOFT_LEAST_AREA .. 1 - SOFT_LEAST_AREA: a smaller opening counts as this one, a larger one as its complement.
+const float SOFT_LEAST_AREA = 4e-5f;
+
+// The numbers of a column, the nodes of one area and psi: the boundary, and then of each node three, scaled so that neighbours differ
+// little. L0 = softStepInverse(x).
+//   sharpness  |slope| sqrt(1 - rho) sqrt(x (1 - x)) / rho
+//   lean       tan of half the angle from (n, t) to the slope
+//   offset     offset / sqrt(1 + L0^2 + |slope|^2)
+const int SOFT_COLUMN = 1 + 3 * SOFT_REACHES;
+
+#endif
