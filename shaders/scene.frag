@@ -18,6 +18,7 @@ layout(location = 1) in vec3 worldNormal;
 layout(location = 2) in vec2 place;
 layout(location = 3) flat in float pitch;
 layout(location = 4) flat in uvec3 firstCell;
+layout(location = 5) flat in vec3 facing;
 
 layout(constant_id = 3) const bool onFaces = false;   // some faces have samples of their own
 layout(constant_id = 4) const bool onTexels = false;  // some meshes have images
@@ -101,7 +102,8 @@ void main() {
 #if APERTURA_CORNERS == 0
     // What is filtered is converted after: a texel that is closed and one that is open are half open between them.
     if (inImage && model == MODEL_SOFT)
-        receiver.params[0] = limitSharpness(softFrom(receiver.visibility.xyz, receiver.visibility.w, normal));
+        receiver.params[0] = limitSharpness(
+            softFrom(receiver.visibility.xyz, receiver.visibility.w, dot(facing, facing) > 0.0 ? facing : normal));
     addReceiver(renormalised(model, receiver), 1.0);
 #endif
 #endif

@@ -11,12 +11,17 @@ layout(location = 1) out vec3 worldNormal;
 layout(location = 2) out vec2 place;
 layout(location = 3) flat out float pitch;
 layout(location = 4) flat out uvec3 firstCell;
+// In an image: the face's own normal where its vertices' normals lean from it, and what is seen belongs to the hemisphere about that; else
+// 0.
+layout(location = 5) flat out vec3 facing;
 
 void main() {
     uint corner = gl_VertexIndex % 3;
     uint first = gl_VertexIndex - corner;
     firstCell = uvec3(indices[first], indices[first + 1], indices[first + 2]);
+    uvec3 corners = firstCell;
     SceneVertex v = vertices[firstCell[corner]];
+    facing = vec3(0.0);
     uint face = frame.counts.w > 0 ? indices[uint(frame.counts.w) + uint(gl_VertexIndex) / 3] : 0;
     uint level = face & 15;
     int steps = latticeSteps(max(int(level), 1));
@@ -28,6 +33,9 @@ void main() {
         firstCell = uvec3(face >> 4, size & 65535, size >> 16);
         place = placeInImage(vec2(v.position.w, v.normal.w), float(firstCell.y), float(firstCell.z));
         pitch = 0.0;
+        vec3 a = vertices[corners.x].position.xyz;
+        facing = leaningFace(cross(vertices[corners.y].position.xyz - a, vertices[corners.z].position.xyz - a),
+                             vertices[corners.x].normal.xyz, vertices[corners.y].normal.xyz, vertices[corners.z].normal.xyz);
     }
     worldPosition = v.position.xyz;
     worldNormal = v.normal.xyz;

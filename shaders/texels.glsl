@@ -68,6 +68,16 @@ APERTURA_FN vec2 placeInMip(vec2 place, int width, int height, int level) {
     return (place + vec2(0.5f)) * scale - vec2(0.5f);
 }
 
+// The cosine between a face and a vertex's normal below which that is not the face's.
+const float LEANING = 0.8f;
+// A face's unit normal on the side of its vertices' normals, where one of these leans from it; else 0. `face`: of any length.
+APERTURA_FN vec3 leaningFace(vec3 face, vec3 a, vec3 b, vec3 c) {
+    float size = length(face);
+    if (!(size > 0.0f)) return vec3(0.0f);
+    vec3 unit = face * ((dot(face, a + b + c) < 0.0f ? -1.0f : 1.0f) / size);
+    return min(min(dot(unit, a), dot(unit, b)), dot(unit, c)) > LEANING ? vec3(0.0f) : unit;
+}
+
 // Texture coordinates in texels from the middle of texel (0, 0).
 APERTURA_FN vec2 placeInImage(vec2 coordinates, float width, float height) { return coordinates * vec2(width, height) - vec2(0.5f); }
 

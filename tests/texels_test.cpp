@@ -360,8 +360,41 @@ TEST(TexelImages, AreDrawn) {
             for (auto* all : {&seen.visibility, &seen.texels.visibility})
                 for (Visibility& v : *all) v = {{0.3f, 0.9f, 0.2f}, 3};
     EXPECT_LT(difference("aperture"), 2e-3);
+    EXPECT_LT(difference("soft"), 2e-3);
     // An image that no part of the geometry can hold is in one part with all its triangles.
     EXPECT_EQ(splitGeometry(imaged, {.vertices = 1000, .samples = 100, .triangles = 1000}).size(), 2u);
+}
+
+// A floor whose normals all lean from it sees the hemisphere about itself: `soft` is made about that, on the device as here.
+TEST(TexelImages, AreConvertedAboutWhatTheyLookAlong) {
+    const Gpu gpu;
+    for (const float lean : {0.0f, 0.5f, 1.0f}) {
+        Asset asset;
+        Surface floor;
+        for (const auto& [x, z] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+            floor.positions.emplace_back(9 * x, 0, 9 * z);
+            floor.normals.emplace_back(std::sin(lean), std::cos(lean), 0);
+            floor.coordinates.emplace_back(0.5f + 0.4f * float(x), 0.5f + 0.4f * float(z));
+        }
+        floor.triangles = {{0, 2, 1}, {0, 3, 2}};
+        asset.scene.surfaces = {floor};
+        asset.scene.instances = {{0}};
+        asset.seen.push_back({std::vector<Visibility>(4), {}, {}, {}});
+        SeenOnTexels& texels = asset.seen[0].texels;
+        texels = {4, 4, std::vector<Visibility>(16, {{0.9f, 1.5f, 0.3f}, 3}), {}, 8};
+        setTexelNormals(asset.scene, 0, mapTexels(floor, 4, 4), texels);
+        View view;
+        view.camera = {{0, 5, 0.1f}, {0, 0, 0}};
+        view.width = 8, view.height = 8;
+        view.sky = glm::vec3(0);
+        view.lights = {directionalLight({0.7f, 0.5f, 0.1f}, 0.1, glm::vec3(2))};
+        const Model& soft = *findModel("soft");
+        const auto [weight, receiver] = receiverAt(asset, soft, 0, 0, glm::vec3(1 / 3.0f), floor.normals[0])[0];
+        const float e = irradianceThrough(soft.id, receiver, view.lights[0].cap, lightClassOf(view));
+        const Picture drawn = Renderer(gpu, asset).draw(view, soft);
+        EXPECT_NEAR(drawn.pixels[27].g, view.albedo.g / float(pi) * 2 * e, 1e-4 * e) << lean;
+        EXPECT_GT(e, 0.002) << lean;
+    }
 }
 
 TEST(TexelMips, KeepTheMeanAndWhatIsLinear) {

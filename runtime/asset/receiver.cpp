@@ -46,7 +46,10 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
     }
     if (!model.mixes) return corners;
     // As scene.frag has it.
-    if (!seen.texels.visibility.empty() && model.id == MODEL_SOFT) return {{1.0f, toReceiver(model, visibility, normal)}};
+    if (!seen.texels.visibility.empty() && model.id == MODEL_SOFT)
+        return {{1.0f, toReceiver(visibility,
+                                  toParams(model, visibility, nullptr, surfaceAt(asset.scene, instance, triangle, barycentrics).looking()),
+                                  normal)}};
     return {{1.0f, renormalised(model.id, toReceiver(visibility, mix, normal))}};
 }
 

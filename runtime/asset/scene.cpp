@@ -8,13 +8,13 @@
 #include <unordered_map>
 
 #include "runtime/asset/error.h"
+#include "sh/shading.h"
 
 namespace apertura {
 namespace {
 
 constexpr float kFarthest = 1e15f;    // metres; squares of longer lengths may overflow float32
 constexpr double kSingular = 1e-300;  // transforms with a determinant up to this are singular
-constexpr float kLeaning = 0.8f;      // cosine between a face and a vertex's normal below which that is not the face's
 constexpr double kPlaneSteps = 4096;  // steps per unit of a normal's component; planes whose normals round to the same are one
 // Memory while baking, measured: per vertex the point, the four numbers and a model's parameters; per triangle the tracer, and in each
 // instance what its samples are fitted to.
@@ -118,7 +118,7 @@ SurfaceAt surfaceAt(const Scene& scene, int instance, int triangle, const glm::v
     if (area > 0) out.face = glm::vec3(cross / (wound ? area : -area));
     for (const uint32_t v : surface.triangles[size_t(triangle)]) {
         const glm::vec3 n = normals * surface.normals[v];
-        out.leans |= area > 0 && !(glm::dot(n, out.face) > kLeaning * glm::length(n));
+        out.leans |= area > 0 && !(glm::dot(n, out.face) > LEANING * glm::length(n));
     }
     const glm::vec3 turned = normals * mean;
     const float length = glm::length(turned);
