@@ -1,12 +1,16 @@
 // Visibility in images: where texels lie, what is fitted to them, how an asset holds them, and what is drawn and measured of them.
 #include "bake/fit/texels.h"
 
+#include <OpenImageIO/imageio.h>
+
 #include <set>
 
 #include "bake/measure/measure.h"
 #include "bake/scene/load.h"
 #include "runtime/asset/error.h"
+#include "runtime/asset/file.h"
 #include "runtime/asset/gltf.h"
+#include "runtime/asset/image_files.h"
 #include "runtime/asset/png.h"
 #include "runtime/asset/receiver.h"
 #include "runtime/asset/texels.h"
@@ -212,6 +216,41 @@ TEST(TexelImages, ComeBackFromTheFileAndAreReplaced) {
         const Scene last = readGltf(folder / "c.glb");
         for (const char* list : {"images", "textures", "samplers"}) EXPECT_FALSE(last.document->json.contains(list)) << list;
         EXPECT_FALSE(hasTexels(readAsset(folder / "c.glb")));
+    }
+}
+
+// Files beside an asset hold what it holds; in half floats, what it was made of.
+TEST(TexelImages, LieBesideTheAssetToo) {
+    const Folder folder;
+    const Scene scene = boxOverSeam();
+    BakedVisibility seen;
+    Random random(8);
+    for (const Surface& surface : scene.surfaces) {
+        seen.push_back({std::vector<Visibility>(surface.positions.size()), {}, {}, {}});
+        seen.back().texels = {3, 2, {}, {}, 8};
+        for (int k = 0; k < 6; ++k) seen.back().texels.visibility.push_back({glm::vec3(random.direction()), float(random(2, 4))});
+    }
+    writeImages(folder / "a.glb", scene, seen, 16, ImageFormat::Png);
+    writeImages(folder / "a.glb", scene, seen, 16, ImageFormat::Exr);
+    const std::vector<std::string> png = imageFiles(folder / "a.glb", 2, false, ImageFormat::Png),
+                                   exr = imageFiles(folder / "a.glb", 2, false, ImageFormat::Exr);
+    ASSERT_EQ(png.size(), 2u);
+    EXPECT_EQ(png[1], folder / "a.visibility.1.png");
+    for (size_t i = 0; i < 2; ++i) {
+        const std::vector<float> numbers = texelNumbers(seen[i].texels, glm::mat3(1));
+        const PngImage image = decodePng(readFile(png[i]), png[i]);
+        const auto input = OIIO::ImageInput::open(exr[i]);
+        ASSERT_TRUE(input);
+        ASSERT_EQ(input->spec().nchannels, 4);
+        std::vector<float> halves(24);
+        ASSERT_TRUE(input->read_image(0, 0, 0, 4, OIIO::TypeDesc::FLOAT, halves.data()));
+        for (size_t k = 0; k < 24; ++k) {
+            EXPECT_NEAR(numbers[k], (int(image.samples[k]) - 32768) / 32767.0, 2e-5);
+            EXPECT_NEAR(numbers[k], halves[k], 5e-4);
+        }
+        const Visibility& first = seen[i].texels.visibility[0];
+        EXPECT_NEAR(numbers[1], first.direction.y / pi, 1e-6);
+        EXPECT_NEAR(numbers[3], first.area / pi - 1, 1e-6);
     }
 }
 

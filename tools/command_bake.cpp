@@ -6,6 +6,7 @@
 #include "runtime/asset/asset.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
+#include "runtime/asset/image_files.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 
@@ -21,7 +22,7 @@ struct Arguments {
     BakeOptions bake;
     int bits = 8;
     bool spacingGiven = false;
-    std::string price, at, as = "visibility";
+    std::string price, at, as = "visibility", images;
 };
 
 void run(const Arguments& a) {
@@ -32,7 +33,13 @@ void run(const Arguments& a) {
     BakeInfo info;
     info.scene = a.scene.starts_with("builtin:") ? a.scene : std::filesystem::path(a.scene).filename().string();
     requireStorable(info, a.scene);
+    const ImageFormat format = a.images == "exr" ? ImageFormat::Exr : ImageFormat::Png;
     const Scene scene = loadScene(a.scene, a.map, a.bake.at == At::Texels ? Coordinates::Read : Coordinates::Ignore);
+    if (!a.images.empty())
+        for (const std::string& name : imageFiles(a.out, scene.instances.size(), a.bake.as == As::BentNormals, format)) {
+            refuseToReplaceInput(a.scene, name);
+            requireWritable(name);
+        }
     info.version = APERTURA_VERSION;
     info.model = a.model;
     info.rays = a.bake.rays;
@@ -58,6 +65,7 @@ void run(const Arguments& a) {
         info.price = a.price.empty() ? "numbers" : a.price;
         info.alone = plan.alone ? plan.alone->name : "none";
     }
+    if (!a.images.empty()) writeImages(a.out, scene, visibility, a.bits, format);
     writeAsset(a.out, scene, visibility, info);
     size_t vertices = 0, closed = 0;
     for (const SeenByInstance& seen : visibility) {
@@ -170,6 +178,12 @@ void addBakeCommand(CLI::App& program) {
         ->check(CLI::IsMember({"visibility", "bent-normal"}))
         ->type_name("visibility|bent-normal");
     command
+        .add_option("--images", a->images,
+                    "images beside the asset too: OUT.visibility.png, or .bent-normal.png and .occlusion.png; as .exr, the numbers "
+                    "themselves in half floats [none]")
+        ->check(CLI::IsMember({"png", "exr"}))
+        ->type_name("png|exr");
+    command
         .add_option(
             "--storage-tolerance", a->bake.storageTolerance,
             "RMSE of E / (L pi sin^2 r), at a light radius of 5 degrees, and of the sky's E / pi, that storing may add [half of what "
@@ -184,6 +198,7 @@ void addBakeCommand(CLI::App& program) {
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
         if (command.count("--tolerance") > 0 && a->model != "auto") throw CLI::ValidationError("--tolerance is for --model auto");
         if (command.count("--texels") > 0 && a->at != "texels") throw CLI::ValidationError("--texels is for --at texels");
+        if (command.count("--images") > 0 && a->at != "texels") throw CLI::ValidationError("--images is for --at texels");
         if (command.count("--as") > 0 && a->at != "texels") throw CLI::ValidationError("--as is for --at texels");
         if (command.count("--texels") > 0 && isHeightMap(a->scene))
             throw CLI::ValidationError("--texels is not for height maps, whose images have a texel for each of theirs");

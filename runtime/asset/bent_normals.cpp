@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "runtime/asset/png.h"
 #include "runtime/asset/texels.h"
 
 namespace apertura {
@@ -15,19 +14,6 @@ const char *const kBentName = "bent normal", *const kOcclusionName = "occlusion"
 
 // Of numbers 0..1.
 uint16_t code(float number, int bits) { return uint16_t(std::lround(std::clamp(number, 0.0f, 1.0f) * float((1 << bits) - 1))); }
-
-PngImage bentImage(const BentNormals& bent, int bits) {
-    PngImage out{bent.width, bent.height, bits, {}, 3};
-    for (const glm::vec4& texel : bent.texels)
-        for (int c = 0; c < 3; ++c) out.samples.push_back(code(0.5f + 0.5f * texel[c], bits));
-    return out;
-}
-
-PngImage occlusionImage(const BentNormals& bent, int bits) {
-    PngImage out{bent.width, bent.height, bits, {}, 1};
-    for (const glm::vec4& texel : bent.texels) out.samples.push_back(code(texel.w, bits));
-    return out;
-}
 
 size_t addTexture(GltfWriter& writer, const PngImage& image, const char* name, size_t sampler) {
     Json& json = writer.json();
@@ -52,6 +38,19 @@ size_t usesOfMaterial(const Json& json, size_t material) {
 }
 
 }  // namespace
+
+PngImage bentImage(const BentNormals& bent, int bits) {
+    PngImage out{bent.width, bent.height, bits, {}, 3};
+    for (const glm::vec4& texel : bent.texels)
+        for (int c = 0; c < 3; ++c) out.samples.push_back(code(0.5f + 0.5f * texel[c], bits));
+    return out;
+}
+
+PngImage occlusionImage(const BentNormals& bent, int bits) {
+    PngImage out{bent.width, bent.height, bits, {}, 1};
+    for (const glm::vec4& texel : bent.texels) out.samples.push_back(code(texel.w, bits));
+    return out;
+}
 
 Json addBentNormals(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits) {
     Json out;

@@ -5,11 +5,16 @@
 
 #include "runtime/asset/asset.h"
 #include "runtime/asset/gltf_writer.h"
+#include "runtime/asset/png.h"
 
 namespace apertura {
 
-// The images of a scene in a document: adds them to it and returns their description, or null where no instance has one. The first holds
-// x, y and z in red, green and blue, (1 + number) / 2 each; the second is grey. Every primitive that has them gets a material of its own, a
+// The two images of an instance, as an asset holds them: x, y and z in red, green and blue, (1 + number) / 2 each; and grey.
+PngImage bentImage(const BentNormals& bent, int bits);
+PngImage occlusionImage(const BentNormals& bent, int bits);
+
+// The images of a scene in a document: adds them to it and returns their description, or null where no instance has one. Every
+// primitive that has them gets a material of its own, a
 // copy of the file's, whose occlusionTexture is the second; no material of glTF has a place for the first.
 Json addBentNormals(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits);
 

@@ -7,8 +7,6 @@
 #include <map>
 #include <numbers>
 
-#include "runtime/asset/png.h"
-
 namespace apertura {
 namespace {
 
@@ -116,17 +114,6 @@ struct Codes {
     int middle;
     float most;
 };
-
-PngImage imageOf(const SeenOnTexels& seen, const glm::mat3& toLocal, int bits) {
-    PngImage out{seen.width, seen.height, bits, {}, 4};
-    out.samples.reserve(4 * seen.visibility.size());
-    const Codes codes(bits);
-    for (const Visibility& v : seen.visibility) {
-        const glm::vec4 stored = storedOf({toLocal * v.direction, v.area});
-        for (int c = 0; c < 4; ++c) out.samples.push_back(codes.code(stored[c]));
-    }
-    return out;
-}
 
 SeenOnTexels seenIn(const PngImage& image, const glm::mat3& toWorld) {
     SeenOnTexels out{image.width, image.height, {}, {}, image.bits};
@@ -275,6 +262,23 @@ size_t addSampler(Json& json) {
     return json["samplers"].size() - 1;
 }
 
+std::vector<float> texelNumbers(const SeenOnTexels& texels, const glm::mat3& toLocal) {
+    std::vector<float> out;
+    out.reserve(4 * texels.visibility.size());
+    for (const Visibility& v : texels.visibility) {
+        const glm::vec4 stored = storedOf({toLocal * v.direction, v.area});
+        for (int c = 0; c < 4; ++c) out.push_back(stored[c]);
+    }
+    return out;
+}
+
+PngImage visibilityImage(const SeenOnTexels& texels, const glm::mat3& toLocal, int bits) {
+    PngImage out{texels.width, texels.height, bits, {}, 4};
+    const Codes codes(bits);
+    for (const float number : texelNumbers(texels, toLocal)) out.samples.push_back(codes.code(number));
+    return out;
+}
+
 Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits) {
     Json out;
     Json& json = writer.json();
@@ -284,7 +288,7 @@ Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& vi
         if (seen.visibility.empty()) continue;
         const Instance& instance = scene.instances[i];
         if (sampler == SIZE_MAX) sampler = addSampler(json);
-        const PngImage image = imageOf(seen, glm::transpose(rotationPart(instance.toWorld)), bits);
+        const PngImage image = visibilityImage(seen, glm::transpose(rotationPart(instance.toWorld)), bits);
         const size_t view = writer.addView(encodePng(image)), texture = listOf(json, "textures").size();
         json["textures"].push_back({{"sampler", sampler}, {"source", listOf(json, "images").size()}});
         json["images"].push_back({{"name", kImageName}, {"mimeType", "image/png"}, {"bufferView", view}});

@@ -6,6 +6,7 @@
 
 #include "runtime/asset/asset.h"
 #include "runtime/asset/gltf_writer.h"
+#include "runtime/asset/png.h"
 #include "sh/shading.h"
 
 namespace apertura {
@@ -48,6 +49,12 @@ size_t texelsWithMips(int width, int height);
 
 // Fills `texels.normals` of an instance, from the points of the surface that its texels stand for.
 void setTexelNormals(const Scene& scene, size_t instance, const TexelMap& map, SeenOnTexels& texels);
+
+// What an image stores of its texels, four numbers each, -1..1: D / pi in the surface's frame and A / pi - 1. They are linear in
+// visibility, so that whatever filters an image filters that.
+std::vector<float> texelNumbers(const SeenOnTexels& texels, const glm::mat3& toLocal);
+// The same as an asset holds it: RGBA of `bits` bits, round(127 number) + 128 or round(32767 number) + 32768.
+PngImage visibilityImage(const SeenOnTexels& texels, const glm::mat3& toLocal, int bits);
 
 // The images of a scene in a document: adds them to it and returns their description, or null where no instance has one.
 Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits);
