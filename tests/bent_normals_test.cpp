@@ -1,12 +1,16 @@
-// Bent normals and occlusion for engines: tangents, what an engine makes of the images, and how an asset holds them.
+// Images for other programs. Bent normals and occlusion: tangents, what an engine makes of the images, and how an asset holds them; and
+// files beside the asset.
 #include "runtime/asset/bent_normals.h"
 
+#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include "bake/sampling/directions.h"
 #include "bake/sampling/surface_points.h"
+#include "runtime/asset/file.h"
 #include "runtime/asset/gltf.h"
 #include "runtime/asset/gltf_document.h"
+#include "runtime/asset/image_files.h"
 #include "runtime/asset/png.h"
 #include "runtime/asset/tangents.h"
 #include "runtime/asset/texels.h"
@@ -221,6 +225,41 @@ TEST(BentNormals, ThatWereDamagedAreBakedOver) {
     EXPECT_EQ(kept["materials"].size(), 2u);
     EXPECT_EQ(kept["textures"].size(), 4u);
     EXPECT_TRUE(kept["meshes"][1]["primitives"][0].contains("material"));
+}
+
+// Files beside an asset hold what it holds; in half floats, what it was made of.
+TEST(TexelImages, LieBesideTheAssetToo) {
+    const Folder folder;
+    const Scene scene = boxOverSeam();
+    BakedVisibility seen;
+    Random random(8);
+    for (const Surface& surface : scene.surfaces) {
+        seen.push_back({std::vector<Visibility>(surface.positions.size()), {}, {}, {}});
+        seen.back().texels = {3, 2, {}, {}, 8};
+        for (int k = 0; k < 6; ++k) seen.back().texels.visibility.push_back({glm::vec3(random.direction()), float(random(2, 4))});
+    }
+    writeImages(folder / "a.glb", scene, seen, 16, ImageFormat::Png);
+    writeImages(folder / "a.glb", scene, seen, 16, ImageFormat::Exr);
+    const std::vector<std::string> png = imageFiles(folder / "a.glb", 2, false, ImageFormat::Png),
+                                   exr = imageFiles(folder / "a.glb", 2, false, ImageFormat::Exr);
+    ASSERT_EQ(png.size(), 2u);
+    EXPECT_EQ(png[1], folder / "a.visibility.1.png");
+    for (size_t i = 0; i < 2; ++i) {
+        const std::vector<float> numbers = texelNumbers(seen[i].texels, glm::mat3(1));
+        const PngImage image = decodePng(readFile(png[i]), png[i]);
+        const auto input = OIIO::ImageInput::open(exr[i]);
+        ASSERT_TRUE(input);
+        ASSERT_EQ(input->spec().nchannels, 4);
+        std::vector<float> halves(24);
+        ASSERT_TRUE(input->read_image(0, 0, 0, 4, OIIO::TypeDesc::FLOAT, halves.data()));
+        for (size_t k = 0; k < 24; ++k) {
+            EXPECT_NEAR(numbers[k], (int(image.samples[k]) - 32768) / 32767.0, 2e-5);
+            EXPECT_NEAR(numbers[k], halves[k], 5e-4);
+        }
+        const Visibility& first = seen[i].texels.visibility[0];
+        EXPECT_NEAR(numbers[1], first.direction.y / pi, 1e-6);
+        EXPECT_NEAR(numbers[3], first.area / pi - 1, 1e-6);
+    }
 }
 
 }  // namespace
