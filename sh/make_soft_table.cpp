@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
     FILE* out = std::fopen(argv[1], "w");
     if (!out) return 1;
     constexpr double pi = std::numbers::pi;
-    std::fprintf(out, "// Made by make_soft_table: for each area and psi the hard boundary, then its nodes.\n");
+    std::fprintf(out, "// Made by make_soft_table: the nodes of shaders/soft_grid.glsl.\n");
     for (int i = 0; i < SOFT_AREAS; ++i) {
         const double least = SOFT_LEAST_AREA;
         const double u = double(i) / (SOFT_AREAS - 1);
@@ -24,16 +24,15 @@ int main(int argc, char** argv) {
         for (int j = 0; j < SOFT_PSIS; ++j) {
             const double p = 1 - 2.0 * j / (SOFT_PSIS - 1), psi = std::atan2(1 - std::abs(p), p);
             const double edge = boundary(psi);
-            std::fprintf(out, "%.8ef,", edge);
             for (int k = 0; k < SOFT_REACHES; ++k) {
                 const double reach = std::max<double>(SOFT_REACH * k / (SOFT_REACHES - 1), 1e-4);
                 const double rho = 1 - (1 - reach) * (1 - reach);
                 const double length = rho * edge * area / 2 * (1 - x);
                 const SoftSolution s = solveSoft({area, area / 2 + length * std::cos(psi), length * std::sin(psi)});
                 const double sharp = std::hypot(s.n, s.t);
-                std::fprintf(out, "%.8ef,%.8ef,%.8ef,", sharp * std::sqrt((1 - rho) * x * (1 - x)) / rho,
+                std::fprintf(out, "{%.8ef,%.8ef,%.8ef,%.8ef},", sharp * std::sqrt((1 - rho) * x * (1 - x)) / rho,
                              std::tan(std::remainder(std::atan2(s.t, s.n) - psi, 2 * pi) / 2),
-                             s.offset / std::sqrt(1 + haze * haze + sharp * sharp));
+                             s.offset / std::sqrt(1 + haze * haze + sharp * sharp), edge);
             }
             std::fprintf(out, "\n");
         }

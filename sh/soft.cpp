@@ -5,21 +5,21 @@
 namespace apertura {
 namespace {
 
-const float kTable[] = {
+const vec4 kNodes[] = {
 #include "soft_table.inc"
 };
 
-inline float softTableAt(int i) { return kTable[i]; }
+inline vec4 softNode(int i) { return kNodes[i]; }
 
 #define APERTURA_FN inline
 #include "shaders/soft_table.glsl"
 #undef APERTURA_FN
 
-static_assert(std::size(kTable) == size_t(SOFT_AREAS * SOFT_PSIS * SOFT_COLUMN));
+static_assert(std::size(kNodes) == size_t(SOFT_AREAS * SOFT_PSIS * SOFT_REACHES));
 
 }  // namespace
 
-std::span<const float> softTable() { return kTable; }
+std::span<const vec4> softNodes() { return kNodes; }
 
 SoftAperture toSoft(const Visibility& any, const vec3& normal) {
     const Visibility v = clampToPossible(any);

@@ -16,7 +16,7 @@ SoftAperture toSoft(const Visibility& v, const vec3& normal);
 // A lobe, slope and offset, no sharper than formulas can use: limitSharpness of shaders/soft_table.glsl.
 vec4 limitedLobe(const vec4& lobe);
 
-// The table, for shaders that look it up themselves: SOFT_AREAS * SOFT_PSIS columns of SOFT_COLUMN numbers (shaders/soft_grid.glsl).
-std::span<const float> softTable();
+// The table, for shaders that look it up themselves: SOFT_AREAS * SOFT_PSIS * SOFT_REACHES nodes (shaders/soft_grid.glsl).
+std::span<const vec4> softNodes();
 
 }  // namespace apertura

@@ -4,8 +4,8 @@
 #include "texels.glsl"
 #include "vertex_params.glsl"
 
-layout(std430, set = 0, binding = 6) readonly buffer SoftTable { float softTable[]; };
-float softTableAt(int i) { return softTable[i]; }
+layout(std430, set = 0, binding = 6) readonly buffer SoftTable { vec4 softNodes[]; };
+vec4 softNode(int i) { return softNodes[i]; }
 #include "soft_table.glsl"
 
 // One pipeline per model and class of lights. This text is compiled several times, so that each calls irradianceThrough in one place:

@@ -14,11 +14,10 @@ const float SOFT_REACH = 0.96f;
 // x is clamped to SOFT_LEAST_AREA .. 1 - SOFT_LEAST_AREA: a smaller opening counts as this one, a larger one as its complement.
 const float SOFT_LEAST_AREA = 4e-5f;
 
-// The numbers of a column, the nodes of one area and psi: the boundary, and then of each node three, scaled so that neighbours differ
-// little. L0 = softStepInverse(x).
-//   sharpness  |slope| sqrt(1 - rho) sqrt(x (1 - x)) / rho
-//   lean       tan of half the angle from (n, t) to the slope
-//   offset     offset / sqrt(1 + L0^2 + |slope|^2)
-const int SOFT_COLUMN = 1 + 3 * SOFT_REACHES;
+// A node has four numbers, scaled so that neighbours differ little; L0 = softStepInverse(x). Nodes lie by area, psi and reach.
+//   x  sharpness: |slope| sqrt(1 - rho) sqrt(x (1 - x)) / rho
+//   y  lean: tan of half the angle from (n, t) to the slope
+//   z  offset / sqrt(1 + L0^2 + |slope|^2)
+//   w  the HardBoundary, the same for every reach
 
 #endif

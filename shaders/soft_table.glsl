@@ -1,5 +1,5 @@
 // The soft aperture of four numbers, looked up: at load for what is drawn as it is stored, in the shader for what is filtered first.
-// Whoever includes this text has `float softTableAt(int i)`, number i of the table (sh/soft.h).
+// Whoever includes this text has `vec4 softNode(int i)`, node i of the table (sh/soft.h).
 #ifndef APERTURA_SOFT_TABLE_GLSL
 #define APERTURA_SOFT_TABLE_GLSL
 #include "soft.glsl"
@@ -57,20 +57,19 @@ APERTURA_FN vec4 softFrom(vec3 D, float A, vec3 normal) {
     SoftCell area = softCell(rootOpen / (rootOpen + rootBlocked), SOFT_AREAS);
     SoftCell turn = softCell(0.5f - 0.5f * above / max(abs(above) + t, 1e-20f), SOFT_PSIS);
     vec4 w = vec4((1.0f - area.t) * (1.0f - turn.t), (1.0f - area.t) * turn.t, area.t * (1.0f - turn.t), area.t * turn.t);
-    int first = (area.index * SOFT_PSIS + turn.index) * SOFT_COLUMN;
-    ivec4 columns = ivec4(first, first + SOFT_COLUMN, first + SOFT_PSIS * SOFT_COLUMN, first + (SOFT_PSIS + 1) * SOFT_COLUMN);
+    int first = (area.index * SOFT_PSIS + turn.index) * SOFT_REACHES;
+    ivec4 columns = ivec4(first, first + SOFT_REACHES, first + SOFT_PSIS * SOFT_REACHES, first + (SOFT_PSIS + 1) * SOFT_REACHES);
     float boundary = 0.0f;
-    for (int c = 0; c < 4; ++c) boundary += w[c] * softTableAt(columns[c]);
+    for (int c = 0; c < 4; ++c) boundary += w[c] * softNode(columns[c]).w;
 
     float rho = distance / (float(PI) * x * (1.0f - x) * boundary);
     float reach = min(1.0f - sqrt(1.0f - min(rho, 1.0f)), SOFT_REACH);
     rho = 1.0f - (1.0f - reach) * (1.0f - reach);
     SoftCell depth = softCell(reach / SOFT_REACH, SOFT_REACHES);
-    vec3 node = vec3(0.0f);  // sharpness, lean, offset
+    vec4 node = vec4(0.0f);
     for (int c = 0; c < 4; ++c) {
-        int at = columns[c] + 1 + 3 * depth.index;
-        vec3 a = vec3(softTableAt(at), softTableAt(at + 1), softTableAt(at + 2));
-        vec3 b = vec3(softTableAt(at + 3), softTableAt(at + 4), softTableAt(at + 5));
+        vec4 a = softNode(columns[c] + depth.index);
+        vec4 b = softNode(columns[c] + depth.index + 1);
         node += w[c] * (a + depth.t * (b - a));
     }
     float variance = x * (1.0f - x);

@@ -28,11 +28,7 @@ APERTURA_FN TexelCell texelCellAt(vec2 place, int width, int height) {
 
 // Mips: each has half the texels of the one before across and down, rounded down, and at least one; the last has one.
 APERTURA_FN int mipSize(int size, int level) { return max(size >> level, 1); }
-APERTURA_FN int mipCount(int width, int height) {
-    int count = 1;
-    while ((max(width, height) >> count) > 0) ++count;
-    return count;
-}
+APERTURA_FN int mipCount(int width, int height) { return findMSB(max(width, height)) + 1; }
 // Where a mip's texels begin, if they lie one mip after another.
 APERTURA_FN int firstOfMip(int width, int height, int level) {
     int first = 0;

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "bake/measure/measure.h"
-#include "bake/scene/load.h"
+#include "bake/scene/builtin.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/gltf.h"
 #include "runtime/asset/png.h"
@@ -204,7 +204,7 @@ Surface onSixCharts(const Surface& surface) {
 TEST(BakeTexels, ErrLittleMoreThanVerticesOnAStatueOfSixCharts) {
     if (kSanitized) GTEST_SKIP() << "takes minutes";
     const Folder folder;
-    Scene scene = loadScene("builtin:statue");
+    Scene scene = findBuiltin("builtin:statue")->scene;
     scene.surfaces[0] = onSixCharts(scene.surfaces[0]);
     const auto measured = [&](At at) {
         BakeOptions options = optionsFor(432);

@@ -104,7 +104,7 @@ struct Renderer::State {
           frames(frames_),
           onFaces(hasSamplesOnFaces(asset_)),
           onTexels(hasTexels(asset_)),
-          softNumbers(uploadStorage(gpu_, std::vector<float>(softTable().begin(), softTable().end()))),
+          softNodes(uploadStorage(gpu_, std::vector<vec4>(apertura::softNodes().begin(), apertura::softNodes().end()))),
           noVertices(gpu_, 0, vk::BufferUsageFlagBits::eStorageBuffer, GpuBuffer::Place::Device) {
         for (GeometryPart& part : splitGeometry(asset_, partLimits(gpu_, frames_ + 1))) {
             vertexCount += part.vertices;
@@ -127,7 +127,7 @@ struct Renderer::State {
     bool onFaces, onTexels;
     size_t vertexCount = 0;
     std::vector<Part> parts;
-    GpuBuffer softNumbers;  // softTable
+    GpuBuffer softNodes;
     GpuBuffer noVertices;
     std::optional<PerFrame<Frame>> lit;  // one for each frame and part
     std::optional<ShadowMap> shadow;
@@ -166,7 +166,7 @@ const Renderer::State::ModelBuffers& Renderer::State::buffersOf(Part& part, cons
                                           {storage, shading, &params},
                                           {storage, vertex | shading, litVertices ? &*litVertices : &noVertices},
                                           {storage, vertex | shading, &part.seen},
-                                          {storage, shading, &softNumbers}};
+                                          {storage, shading, &softNodes}};
     GpuBindings bindings(gpu, slots);
     return part.buffers.emplace(std::pair(model.id, floats), ModelBuffers{std::move(litVertices), std::move(bindings)}).first->second;
 }
