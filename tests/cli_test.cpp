@@ -385,7 +385,7 @@ TEST(Cli, RefusesTolerancesAndModelsThatAreNone) {
 std::string chart(const Folder& folder, const std::string& environment) {
     const std::string out = folder / "chart";
     const std::string command = environment + " " APERTURA_PROGRAM " chart builtin:room-2 builtin:room-1 -o " + out
-                              + " --models unshadowed,ao,soft,aperture --whole aperture --receivers 12 --light-radii 1,5 >"
+                              + " --models unshadowed,ao,soft,aperture --whole soft,aperture --receivers 12 --light-radii 1,5 >"
                               + (folder / "log") + " 2>&1";
     const int status = std::system(command.c_str());
     return std::to_string(WEXITSTATUS(status)) + " " + slurp(folder / "log");
@@ -399,7 +399,7 @@ TEST(Cli, ChartLeavesATableAndAPageThatSortsInABrowser) {
     const std::string csv = slurp(out + "/models.csv");
     EXPECT_EQ(lines(csv), 1 + 2 * 2 * 5) << csv;  // 2 scenes, 2 radii, 4 models, of which soft is from two sources
     for (const char* picture :
-         {"error-bytes", "error-cycles-pixel-navi21", "error-frame-ratio", "error-bake-ratio", "scenes", "worst-scenes"})
+         {"error-bytes", "error-cycles-pixel-navi21", "error-frame-ratio", "error-bake-ratio", "scenes", "places", "worst-scenes"})
         for (const char* kind : {".png", ".svg"}) EXPECT_GT(slurp(out + "/" + picture + kind).size(), 2000u) << picture;
     // What stands under `whole` is what `compare` says of the asset.
     const std::string glb = folder / "room.glb", json = folder / "room.json";
@@ -415,6 +415,17 @@ TEST(Cli, ChartLeavesATableAndAPageThatSortsInABrowser) {
             if (cells[6] == "5") whole = std::stod(cells[15]);
         }
     EXPECT_NEAR(whole, row["rmse"], 1e-6);
+    // And so it is under `places`, where `soft` is stored.
+    ASSERT_EQ(run("compare " + glb + " --models soft --receivers 12 --light-radii 5 --json " + json).code, 0);
+    const nlohmann::json soft = nlohmann::json::parse(slurp(json))["rows"][0];
+    const std::string places = slurp(out + "/places.csv");
+    EXPECT_EQ(lines(places), 1 + 2 * 2) << places;  // no coordinates, no images
+    const size_t faces = places.find("\"builtin:room-1\",faces,0,");
+    ASSERT_NE(faces, std::string::npos) << places;
+    double bytes = 0, rmse = 0;
+    ASSERT_EQ(std::sscanf(places.c_str() + faces, "\"builtin:room-1\",faces,0,%lf,%lf,", &bytes, &rmse), 2);
+    EXPECT_NEAR(rmse, soft["rmse"], 1e-6);
+    EXPECT_GT(bytes, 100);
     const std::string html = slurp(out + "/index.html");
     EXPECT_EQ(html.find("src=\"http"), std::string::npos);
     EXPECT_EQ(html.find('@'), std::string::npos);

@@ -28,7 +28,7 @@ def read(path):
     rows = list(csv.DictReader(open(path, newline="")))
     for row in rows:
         for key, value in row.items():
-            if key not in ("scene", "model", "source"):
+            if key not in ("scene", "model", "source", "at"):
                 row[key] = float(value) if value else None
     return rows
 
@@ -156,6 +156,25 @@ def mottle_chart(rows, folder):
     axes.legend(fontsize=7)
     axes.set_title("Mottle: error that changes from point to point where truth does not, mean over the scenes", fontsize=9)
     save(figure, folder, "mottle")
+    return True
+
+
+def place_chart(places, folder):
+    """What `soft` errs by where it is stored, against its bytes. False where that was not measured."""
+    if not places:
+        return False
+    figure, axes = plt.subplots(figsize=(7.5, 4.6))
+    for at, marker, colour in (("vertices", "o", "#999"), ("faces", "s", "#c55"), ("texels", "^", "#37a")):
+        found = [p for p in places if p["at"] == at]
+        axes.scatter([p["bytes"] for p in found], [p["rmse"] for p in found], marker=marker, color=colour, label=at, zorder=3)
+    for scene in sorted({p["scene"] for p in places}):
+        own = sorted((p for p in places if p["scene"] == scene), key=lambda p: p["bytes"])
+        axes.plot([p["bytes"] for p in own], [p["rmse"] for p in own], color="#bbb", linewidth=0.7)
+        axes.annotate(scene.removeprefix("builtin:").split("/")[-1], (own[-1]["bytes"], own[-1]["rmse"]), fontsize=7, xytext=(4, 3), textcoords="offset points")
+    axes.set(xscale="log", xlabel="bytes of visibility", ylabel="RMSE of E / (L π sin²r), light radius 5°", ylim=(0, None))
+    axes.legend(fontsize=7)
+    axes.set_title("Where visibility is stored: soft at vertices, on faces, in images", fontsize=9)
+    save(figure, folder, "places")
     return True
 
 
@@ -344,6 +363,9 @@ def main():
                 ("scenes", "Error by scene"), ("leaks", "Light through what blocks all of it")]
     if mottle_chart(rows, folder):
         pictures.append(("mottle", "Error from point to point where truth is even"))
+    places = folder / "places.csv"
+    if places.exists() and place_chart(read(places), folder):
+        pictures.append(("places", "Where visibility is stored: at vertices, on faces too, or in images over texture coordinates"))
     if map_chart(maps, folder):
         pictures.append(("worst-scenes", "Where each model errs, in its worst scene"))
     page(rows, folder, radius, about, date, pictures)

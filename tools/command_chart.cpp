@@ -16,6 +16,7 @@
 #include "runtime/asset/asset.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
+#include "tools/chart_places.h"
 #include "tools/commands.h"
 #include "tools/costs.h"
 #include "tools/terminal.h"
@@ -74,12 +75,6 @@ std::string recipeOf(const MeasureRow& row) {
     const Recipe* own = findRecipe(row.model);
     if (own && own->source == row.source) return row.model;
     return row.source == "fit" ? "sh-fit" : row.source;
-}
-
-std::string inQuotes(const std::string& text) {
-    std::string out = "\"";
-    for (char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + "\"";
 }
 
 // What a model errs between the samples that an asset stores, and how that looks: by scene, model, source and light radius.
@@ -204,7 +199,8 @@ void run(Arguments a) {
     dropRepeats(a.measure.lightRadii);
     std::vector<Scene> scenes;
     scenes.reserve(a.scenes.size());
-    for (const std::string& name : a.scenes) scenes.push_back(loadScene(name, a.map));
+    for (const std::string& name : a.scenes)
+        scenes.push_back(loadScene(name, a.map, isHeightMap(name) ? Coordinates::Read : Coordinates::Ignore));
     std::error_code failed;
     std::filesystem::create_directories(a.out, failed);
     if (failed || !std::filesystem::is_directory(a.out)) throw Error(a.out + ": is not a folder, and cannot be made one");
@@ -229,6 +225,7 @@ void run(Arguments a) {
         asked, classes, std::count(classes.begin(), classes.end(), classOf(kMapRadius)) ? classOf(kMapRadius) : classes.front());
     std::vector<Measurement> all;
     WholeErrors whole;
+    std::vector<PlaceRow> places;
     std::map<std::string, BakeCost> baking;
     {
         ProgressBar bar("charting");
@@ -237,12 +234,15 @@ void run(Arguments a) {
         for (size_t i = 0; i < scenes.size(); ++i) {
             const Progress own = part(progress, double(i) / double(scenes.size()), double(i + 1) / double(scenes.size()));
             all.push_back(measureScene(scenes[i], a.measure, part(own, 0, 0.5)));
-            addWholeErrors(scenes[i], wholes, a.measure, a.out + "/scene.glb", part(own, 0.5, 1), whole);
+            addWholeErrors(scenes[i], wholes, a.measure, a.out + "/scene.glb", part(own, 0.5, 0.8), whole);
+            if (std::find(wholes.begin(), wholes.end(), findModel("soft")) == wholes.end()) continue;
+            for (PlaceRow& row : measurePlaces(scenes[i], a.measure, a.out + "/scene.glb", part(own, 0.8, 1))) places.push_back(row);
         }
     }
     if (interrupted()) throw Cancelled{};
     writeTextFile(csv, toCsv(all, whole, costs, baking));
     writeTextFile(maps, toMaps(all));
+    writeTextFile(a.out + "/places.csv", toCsv(places));
     writeTextFile(
         about,
         nlohmann::ordered_json{{"version", APERTURA_VERSION}, {"receivers", all[0].receivers}, {"device", costs.device}}.dump() + "\n");
@@ -257,7 +257,8 @@ void addChartCommand(CLI::App& program) {
     a->measure.receivers = 200;
     CLI::App& command = *program.add_subcommand("chart", "every model's error against its cost, as a table, charts and one page");
     command.footer(
-        "Leaves models.csv, the charts as .png and .svg, and index.html, which holds them all and needs no network.\n"
+        "Leaves models.csv, places.csv (soft at vertices, on faces and in images), the charts as .png and .svg, and index.html, which "
+        "holds them all and needs no network.\n"
         "GPU cycles are what Mesa's compilers for an RDNA2 and a GCN4 Radeon state, above N.L alone; no such GPU is needed.\n"
         "The charts are drawn by matplotlib under /usr/bin/python3, or under $APERTURA_PYTHON.\n"
         "Example: apertura chart builtin:statue builtin:canyon -o charts");

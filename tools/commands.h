@@ -44,6 +44,9 @@ void drawCharts(const char* script, const std::string& folder, const std::string
 // Text from a file in one line, without the characters that control a terminal.
 std::string printable(std::string text);
 
+// A cell of a table of comma-separated values.
+std::string inQuotes(const std::string& text);
+
 // Prints notes about a file, a line each.
 void printNotes(const std::vector<std::string>& notes);
 

@@ -111,4 +111,10 @@ void addHeightMapOptions(CLI::App& command, HeightMapOptions& options) {
     command.add_flag("--terrain-rgb", options.terrainRgb, "heights are packed in R, G, B (Mapbox Terrain-RGB)")->group(group);
 }
 
+std::string inQuotes(const std::string& text) {
+    std::string out = "\"";
+    for (char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+}
+
 }  // namespace apertura
