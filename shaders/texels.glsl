@@ -66,11 +66,15 @@ APERTURA_FN vec2 placeInMip(vec2 place, int width, int height, int level) {
 
 // The cosine between a face and a vertex's normal below which that is not the face's.
 const float LEANING = 0.8f;
+// 1 if a face's unit normal is on the side of its vertices' normals, else -1. Normals that lie in the face do not tell its side: its
+// winding decides.
+APERTURA_FN float sideOfFace(vec3 unit, vec3 normals) { return dot(unit, normals) < -1e-6f * length(normals) ? -1.0f : 1.0f; }
 // A face's unit normal on the side of its vertices' normals, where one of these leans from it; else 0. `face`: of any length.
 APERTURA_FN vec3 leaningFace(vec3 face, vec3 a, vec3 b, vec3 c) {
     float size = length(face);
     if (!(size > 0.0f)) return vec3(0.0f);
-    vec3 unit = face * ((dot(face, a + b + c) < 0.0f ? -1.0f : 1.0f) / size);
+    vec3 unit = face / size;
+    unit *= sideOfFace(unit, a + b + c);
     return min(min(dot(unit, a), dot(unit, b)), dot(unit, c)) > LEANING ? vec3(0.0f) : unit;
 }
 

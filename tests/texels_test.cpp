@@ -324,7 +324,7 @@ TEST(TexelImages, ThatWereDamagedAreBakedOver) {
     for (const Json& entries :
          {Json::array({Json::object()}), Json::array({nullptr}), Json(7), Json::object(), Json::array({{{"texture", -1}}})}) {
         EXPECT_FALSE(bakedOver([&](Json& json) { without(json), texels(json) = entries; }).contains("textures"));
-        EXPECT_EQ(bakedOver([&](Json& json) { texels(json) = entries; })["textures"].size(), 2u);
+        EXPECT_FALSE(bakedOver([&](Json& json) { texels(json) = entries; }).contains("textures"));
     }
     EXPECT_EQ(bakedOver([&](Json& json) { json["images"][1]["name"] = 5; })["images"].size(), 2u);
     EXPECT_FALSE(bakedOver([&](Json& json) {

@@ -6,6 +6,7 @@
 #include "runtime/asset/asset.h"
 #include "runtime/asset/error.h"
 #include "runtime/asset/file.h"
+#include "runtime/asset/gltf_document.h"
 #include "runtime/asset/image_files.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
@@ -25,6 +26,22 @@ struct Arguments {
     std::string price, at, as = "visibility", images;
 };
 
+// Refuses, before anything is traced, names of images that cannot be written, or that are the scene's own.
+void requireImageFiles(const Arguments& a, const Scene& scene, ImageFormat format) {
+    const std::vector<std::string> names = imageFiles(a.out, scene.instances.size(), a.bake.as == As::BentNormals, format);
+    if (names.size() > kMostImageFiles)
+        throw Error(a.scene + ": --images would write " + std::to_string(names.size()) + " files, more than "
+                    + std::to_string(kMostImageFiles));
+    std::vector<std::string> own{a.scene};
+    if (scene.document)
+        for (const std::filesystem::path& file : filesOf(*scene.document, std::filesystem::path(a.scene).parent_path()))
+            own.push_back(file);
+    for (const std::string& name : names) {
+        for (const std::string& file : own) refuseToReplaceInput(file, name);
+        requireWritable(name);
+    }
+}
+
 void run(const Arguments& a) {
     if (std::filesystem::path(a.out).extension() != ".glb") throw CLI::ValidationError("-o " + a.out + " does not end in .glb");
     refuseToReplaceInput(a.scene, a.out);
@@ -35,11 +52,7 @@ void run(const Arguments& a) {
     requireStorable(info, a.scene);
     const ImageFormat format = a.images == "exr" ? ImageFormat::Exr : ImageFormat::Png;
     const Scene scene = loadScene(a.scene, a.map, a.bake.at == At::Texels ? Coordinates::Read : Coordinates::Ignore);
-    if (!a.images.empty())
-        for (const std::string& name : imageFiles(a.out, scene.instances.size(), a.bake.as == As::BentNormals, format)) {
-            refuseToReplaceInput(a.scene, name);
-            requireWritable(name);
-        }
+    if (!a.images.empty()) requireImageFiles(a, scene, format);
     info.version = APERTURA_VERSION;
     info.model = a.model;
     info.rays = a.bake.rays;
@@ -65,8 +78,10 @@ void run(const Arguments& a) {
         info.price = a.price.empty() ? "numbers" : a.price;
         info.alone = plan.alone ? plan.alone->name : "none";
     }
-    if (!a.images.empty()) writeImages(a.out, scene, visibility, a.bits, format);
+    std::vector<std::unique_ptr<PendingFile>> images;
+    if (!a.images.empty()) images = pendingImages(a.out, scene, visibility, a.bits, format);
     writeAsset(a.out, scene, visibility, info);
+    for (const auto& image : images) image->commit();
     size_t vertices = 0, closed = 0;
     for (const SeenByInstance& seen : visibility) {
         vertices += seen.visibility.size();

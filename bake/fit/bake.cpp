@@ -12,6 +12,7 @@
 #include "bake/sampling/progress.h"
 #include "bake/sampling/surface_points.h"
 #include "runtime/asset/error.h"
+#include "runtime/asset/tangents.h"
 
 namespace apertura {
 namespace {
@@ -152,6 +153,7 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
         if (recipe.name != "sh")
             throw Error("images hold the four numbers alone, which filter; bake sh, or " + std::string(recipe.name) + " at faces");
         requireCharts(scene, options.texels);
+        for (size_t i = 0; options.as == As::BentNormals && i < scene.instances.size(); ++i) tangentsOf(scene, i);
     }
     AutoPlan found{};
     const bool isFitted = recipe.name == "sh";  // by least squares

@@ -185,21 +185,22 @@ void fitVisibility(const Texels& texels, const Probes& probes, SeenByInstance& o
 // Both are fitted to what engines decode: the unit bent normal in the frame of the tangents, which differs where charts meet, so that
 // occlusion alone is stitched.
 void fitBentNormals(const Texels& texels, const Probes& probes, SeenByInstance& out, const Scene& scene) {
-    bool made;
-    const std::vector<glm::vec4> tangents = tangentsOf(scene, texels.instance, &made);
+    std::vector<glm::vec4> toStore;
+    const Tangents tangents = tangentsOf(scene, texels.instance, &toStore);
     const glm::mat3 toLocal = glm::transpose(rotationPart(scene.instances[texels.instance].toWorld));
-    LeastSquares bent = equationsFor(texels, probes, [&](size_t t, const Probe& probe) {
-        const float length = glm::length(probe.bent);
-        if (length <= 0) return glm::vec4(0, 0, 1, 0);
-        const glm::mat3 frame = tangentFrame(texels.surface, tangents, t, probe.weights);
-        return glm::vec4(glm::transpose(frame) * toLocal * (probe.bent / length), 0);
-    });
+    // One after the other, as either takes much memory.
+    const std::vector<glm::vec4> directions = equationsFor(texels, probes, [&](size_t t, const Probe& probe) {
+                                                  const float length = glm::length(probe.bent);
+                                                  if (length <= 0) return glm::vec4(0, 0, 1, 0);
+                                                  const glm::mat3 frame = tangentFrame(texels.surface, tangents, t, probe.weights);
+                                                  return glm::vec4(glm::transpose(frame) * toLocal * (probe.bent / length), 0);
+                                              }).solveFreely();
     LeastSquares open = equationsFor(texels, probes, [](size_t, const Probe& probe) {
         return glm::vec4(0, 0, 0, glm::dot(probe.mean().direction, probe.normal) / std::numbers::pi_v<float>);
     });
     stitch(open, texels);
-    const std::vector<glm::vec4> directions = bent.solveFreely(), occlusion = open.solveFreely();
-    out.bent = {texels.size.x, texels.size.y, {}, made ? tangents : std::vector<glm::vec4>()};
+    const std::vector<glm::vec4> occlusion = open.solveFreely();
+    out.bent = {texels.size.x, texels.size.y, {}, std::move(toStore)};
     for (const uint32_t from : texels.map.from) {
         glm::vec3 d(directions[from]);
         d.z = std::max(d.z, 0.0f);  // engines that store x and y alone make z positive

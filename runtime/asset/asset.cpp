@@ -134,7 +134,7 @@ void removeBaked(GltfWriter& writer) {
                 && entry["bufferView"] < listOf(json, "bufferViews").size())
                 views.insert(entry["bufferView"].get<size_t>());
         json["asset"]["extras"]["apertura"].erase("forms");
-        removeBentNormals(json, views);
+        removeBentNormals(json, accessors, views);
         views.merge(removeTexels(json));
     }
     accessors.merge(removeFaces(json));
@@ -185,14 +185,6 @@ size_t addVisibility(GltfWriter& writer, const std::vector<Visibility>& points, 
         {{"componentType", bits == 16 ? kShort : kByte}, {"normalized", true}, {"type", "VEC4"}, {"count", points.size()}},
         bits == 16 ? bytesOf(packAll<Packed16>(points, rotation, pack16)) : bytesOf(packAll<Packed8>(points, rotation, pack8)),
         kArrayBuffer);
-}
-
-// Approximate size of a copy of some JSON, in values.
-double valuesIn(const Json& json) {
-    double sum = json.is_string() ? 1 + double(json.get_ref<const std::string&>().size()) / 16 : 1;
-    if (json.is_structured())
-        for (const Json& value : json) sum += valuesIn(value);
-    return sum;
 }
 
 // Gives each node that the scene draws a mesh of its own, a copy of the first one's JSON, since nodes that share a mesh see
@@ -354,7 +346,7 @@ Asset toAsset(Scene scene) {
     const Json& described = describedIn(document.json);
     if (described.is_object()) {
         asset.info = readInfo(described, scene.name);
-        asset.info.bentNormals = countBentNormals(described);
+        asset.info.bentNormals = countBentNormals(document.json, described);
     }
     const Model* stored = storedModel(asset.info);
     std::map<std::pair<size_t, size_t>, size_t> streams;

@@ -18,11 +18,11 @@ PngImage occlusionImage(const BentNormals& bent, int bits);
 // copy of the file's, whose occlusionTexture is the second; no material of glTF has a place for the first.
 Json addBentNormals(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits);
 
-// Takes out the images that an earlier bake added, and gives primitives their own materials back, as far as nobody changed either. Tangents
-// stay. Adds the views that images were in to `views`.
-void removeBentNormals(Json& json, std::set<size_t>& views);
+// Takes out what an earlier bake added: images, tangents and the copies of materials, which give way to the file's own; one that a program
+// has changed since stays, without our image. Adds the accessors and views that are not used any more.
+void removeBentNormals(Json& json, std::set<size_t>& accessors, std::set<size_t>& views);
 
-// How many instances have such images, as `described`, asset.extras.apertura, says.
-int countBentNormals(const Json& described);
+// How many instances have both images, of those that `described`, asset.extras.apertura, names.
+int countBentNormals(const Json& json, const Json& described);
 
 }  // namespace apertura

@@ -31,6 +31,7 @@ public:
             text(image, "mimeType", where);
             index(image, "bufferView", "bufferViews", where);
         });
+        for (const char* list : {"textures", "samplers"}) each(json_, list, list, [](const Json&, const std::string&) {});
         each(json_, "materials", "materials",
              [&](const Json& material, const std::string& where) { boolean(material, "doubleSided", where); });
         each(json_, "cameras", "cameras", [&](const Json& camera, const std::string& where) {

@@ -193,4 +193,11 @@ GltfDocument readGltfDocument(const std::string& path) {
     return parseGltfDocument(readFile(path), path, std::filesystem::path(path).parent_path());
 }
 
+double valuesIn(const Json& json) {
+    double sum = json.is_string() ? 1 + double(json.get_ref<const std::string&>().size()) / 16 : 1;
+    if (json.is_structured())
+        for (const Json& value : json) sum += valuesIn(value);
+    return sum;
+}
+
 }  // namespace apertura

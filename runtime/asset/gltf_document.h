@@ -46,6 +46,9 @@ private:
     double left_;
 };
 
+// Approximate size of a copy of some JSON, in values.
+double valuesIn(const Json& json);
+
 // glTF's numbers for component types, topologies and the targets of buffer views.
 enum GltfComponent { kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126 };
 enum GltfMode { kPoints = 0, kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
@@ -110,6 +113,9 @@ void dropAlternatives(Json& json);
 void decodeMeshopt(GltfDocument& document);
 // Replaces EXT_mesh_gpu_instancing by child nodes, since each instance sees its own sky.
 void expandInstancing(GltfDocument& document);
+
+// The ordinary files that a document's buffers and images stand in. `folder`: its own.
+std::vector<std::filesystem::path> filesOf(const GltfDocument& document, const std::filesystem::path& folder);
 
 // The non-negative integer `object[key]`, or `fallback` if there is none. Call it only after checkStructure.
 inline size_t unsignedOr(const Json& object, const char* key, size_t fallback) {

@@ -113,4 +113,14 @@ std::optional<Bytes> readUri(const UriSource& source, std::optional<size_t> leng
     return bytes;
 }
 
+std::vector<fs::path> filesOf(const GltfDocument& document, const fs::path& folder) {
+    std::vector<fs::path> out;
+    for (const char* list : {"buffers", "images"})
+        for (const Json& entry : listOf(document.json, list))
+            if (entry.contains("uri"))
+                if (const UriSource source = resolveUri(entry["uri"].get<std::string>(), folder, document.name); !source.file.empty())
+                    out.push_back(source.file);
+    return out;
+}
+
 }  // namespace apertura

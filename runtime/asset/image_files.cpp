@@ -3,23 +3,11 @@
 #include <algorithm>
 
 #include "runtime/asset/bent_normals.h"
-#include "runtime/asset/file.h"
 #include "runtime/asset/picture.h"
 #include "runtime/asset/png.h"
 #include "runtime/asset/texels.h"
 
 namespace apertura {
-namespace {
-
-void writePng(const std::string& path, const PngImage& image) {
-    PendingFile file(path);
-    const std::vector<unsigned char> bytes = encodePng(image);
-    file.writeAll({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    file.commit();
-}
-
-}  // namespace
-
 std::vector<std::string> imageFiles(const std::string& asset, size_t instances, bool bentNormals, ImageFormat format) {
     std::vector<std::string> out;
     const std::string stem = asset.ends_with(".glb") ? asset.substr(0, asset.size() - 4) : asset;
@@ -31,31 +19,41 @@ std::vector<std::string> imageFiles(const std::string& asset, size_t instances, 
     return out;
 }
 
-void writeImages(const std::string& asset, const Scene& scene, const BakedVisibility& visibility, int bits, ImageFormat format) {
+std::vector<std::unique_ptr<PendingFile>> pendingImages(const std::string& asset, const Scene& scene, const BakedVisibility& visibility,
+                                                        int bits, ImageFormat format) {
     const bool bentNormals = std::any_of(visibility.begin(), visibility.end(), [](const auto& seen) { return !seen.bent.texels.empty(); });
     const std::vector<std::string> names = imageFiles(asset, visibility.size(), bentNormals, format);
-    auto name = names.begin();
+    std::vector<std::unique_ptr<PendingFile>> out;
+    const auto add = [&](const PngImage& png, const auto& numbers) {
+        std::vector<unsigned char> bytes;
+        if (format == ImageFormat::Png)
+            bytes = encodePng(png);
+        else
+            bytes = encodeHalves(png.width, png.height, png.channels, numbers());
+        out.push_back(std::make_unique<PendingFile>(names[out.size()]));
+        out.back()->writeAll({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    };
     for (size_t i = 0; i < visibility.size(); ++i) {
         const SeenOnTexels& seen = visibility[i].texels;
         const BentNormals& bent = visibility[i].bent;
         const glm::mat3 toLocal = glm::transpose(rotationPart(scene.instances[i].toWorld));
-        if (bentNormals && format == ImageFormat::Png) {
-            writePng(*name++, bentImage(bent, bits));
-            writePng(*name++, occlusionImage(bent, bits));
-        } else if (bentNormals) {
-            std::vector<float> normals, open;
-            for (const glm::vec4& texel : bent.texels) {
-                for (int c = 0; c < 3; ++c) normals.push_back(0.5f + 0.5f * texel[c]);
-                open.push_back(texel.w);
-            }
-            writeHalves(*name++, bent.width, bent.height, 3, normals);
-            writeHalves(*name++, bent.width, bent.height, 1, open);
-        } else if (format == ImageFormat::Png) {
-            writePng(*name++, visibilityImage(seen, toLocal, bits));
-        } else {
-            writeHalves(*name++, seen.width, seen.height, 4, texelNumbers(seen, toLocal));
+        if (!bentNormals) {
+            add(visibilityImage(seen, toLocal, bits), [&] { return texelNumbers(seen, toLocal); });
+            continue;
         }
+        add(bentImage(bent, bits), [&] {
+            std::vector<float> numbers;
+            for (const glm::vec4& texel : bent.texels)
+                for (int c = 0; c < 3; ++c) numbers.push_back(0.5f + 0.5f * texel[c]);
+            return numbers;
+        });
+        add(occlusionImage(bent, bits), [&] {
+            std::vector<float> numbers;
+            for (const glm::vec4& texel : bent.texels) numbers.push_back(texel.w);
+            return numbers;
+        });
     }
+    return out;
 }
 
 }  // namespace apertura

@@ -15,18 +15,16 @@ namespace apertura {
 
 namespace {
 
-// Encodes in memory: the library does not report a disk that is full when it writes the last bytes.
-void writeEncoded(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
-    PendingFile file(path);
-    auto out = OIIO::ImageOutput::create(std::filesystem::path(path).extension().string().substr(1));
-    if (!out) throw Error(path + ": cannot be written: " + OIIO::geterror());
+// `name`: of the file, whose ending decides, for errors too. In memory: the library does not report a disk that is full when it writes the
+// last bytes.
+std::vector<unsigned char> encode(const std::string& name, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+    auto out = OIIO::ImageOutput::create(std::filesystem::path(name).extension().string().substr(1));
+    if (!out) throw Error(name + ": cannot be written: " + OIIO::geterror());
     OIIO::Filesystem::IOVecOutput encoded;
-    bool written = out->set_ioproxy(&encoded) && out->open(file.name(), spec) && out->write_image(type, pixels);
+    bool written = out->set_ioproxy(&encoded) && out->open(name, spec) && out->write_image(type, pixels);
     written = out->close() && written;
-    if (!written) throw Error(path + ": cannot be written: " + out->geterror());
-    const auto& bytes = encoded.buffer();
-    file.writeAll({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    file.commit();
+    if (!written) throw Error(name + ": cannot be written: " + out->geterror());
+    return encoded.buffer();
 }
 
 }  // namespace
@@ -37,18 +35,25 @@ void writePicture(const std::string& path, const Picture& picture) {
     if (!linear && ending != ".png") throw Error(path + ": pictures are .png or .exr");
     OIIO::ImageSpec spec(picture.width, picture.height, 3, linear ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", linear ? "Linear" : "sRGB");
-    if (linear) return writeEncoded(path, spec, OIIO::TypeDesc::FLOAT, picture.pixels.data());
-    std::vector<glm::u8vec3> bytes;
-    bytes.reserve(picture.pixels.size());
-    // 2.4 is the exact exponent; GLM's default for the curve is rounded to five digits.
-    for (const glm::vec3& p : picture.pixels) bytes.push_back(glm::packUnorm<uint8_t>(glm::convertLinearToSRGB(p, 2.4f)));
-    writeEncoded(path, spec, OIIO::TypeDesc::UINT8, bytes.data());
+    PendingFile file(path);
+    std::vector<unsigned char> encoded;
+    if (linear) {
+        encoded = encode(path, spec, OIIO::TypeDesc::FLOAT, picture.pixels.data());
+    } else {
+        std::vector<glm::u8vec3> pixels;
+        pixels.reserve(picture.pixels.size());
+        // 2.4 is the exact exponent; GLM's default for the curve is rounded to five digits.
+        for (const glm::vec3& p : picture.pixels) pixels.push_back(glm::packUnorm<uint8_t>(glm::convertLinearToSRGB(p, 2.4f)));
+        encoded = encode(path, spec, OIIO::TypeDesc::UINT8, pixels.data());
+    }
+    file.writeAll({reinterpret_cast<const char*>(encoded.data()), encoded.size()});
+    file.commit();
 }
 
-void writeHalves(const std::string& path, int width, int height, int channels, const std::vector<float>& values) {
+std::vector<unsigned char> encodeHalves(int width, int height, int channels, const std::vector<float>& values) {
     OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::HALF);
     spec.attribute("oiio:ColorSpace", "Linear");
-    writeEncoded(path, spec, OIIO::TypeDesc::FLOAT, values.data());
+    return encode("image.exr", spec, OIIO::TypeDesc::FLOAT, values.data());
 }
 
 }  // namespace apertura

@@ -26,8 +26,8 @@ inline Picture halved(const Picture& picture) {
 // naming `path` if it has another ending or cannot be written.
 void writePicture(const std::string& path, const Picture& picture);
 
-// Writes half floats as .exr, whole or not at all: 1 channel as Y, 3 as R, G, B, 4 as R, G, B, A. `values`: channels * width * height, row
-// by row from the top. Throws as writePicture does.
-void writeHalves(const std::string& path, int width, int height, int channels, const std::vector<float>& values);
+// The bytes of an .exr of half floats: 1 channel as Y, 3 as R, G, B, 4 as R, G, B, A. `values`: channels * width * height, row by row from
+// the top. Throws Error.
+std::vector<unsigned char> encodeHalves(int width, int height, int channels, const std::vector<float>& values);
 
 }  // namespace apertura

@@ -111,11 +111,13 @@ SurfaceAt surfaceAt(const Scene& scene, int instance, int triangle, const glm::v
     SurfaceAt out{};
     for (int k = 0; k < 3; ++k) out.position += double(barycentrics[k]) * c[size_t(k)];
     out.longest = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
-    const glm::dvec3 cross = glm::cross(c[1] - c[0], c[2] - c[0]), side(normals * sum);
+    const glm::dvec3 cross = glm::cross(c[1] - c[0], c[2] - c[0]);
+    const glm::vec3 side = normals * sum;
     const double area = glm::length(cross);
-    // Vertex normals that lie in the face do not tell its side: its winding decides.
-    const bool wound = glm::dot(cross, side) >= -1e-6 * area * glm::length(side);
-    if (area > 0) out.face = glm::vec3(cross / (wound ? area : -area));
+    if (area > 0) {
+        out.face = glm::vec3(cross / area);
+        out.face *= sideOfFace(out.face, side);
+    }
     for (const uint32_t v : surface.triangles[size_t(triangle)]) {
         const glm::vec3 n = normals * surface.normals[v];
         out.leans |= area > 0 && !(glm::dot(n, out.face) > LEANING * glm::length(n));

@@ -141,10 +141,11 @@ void useCoordinates(const GltfDocument& document, const Json& primitive, size_t 
     surface.coordinateSet = int(set);
 }
 
-// True if a texture's index stands anywhere in a part of the document.
-bool refersTo(const Json& part, size_t texture) {
-    if (part.is_object() && indexIn(part, "index") == texture) return true;
-    return part.is_structured() && std::any_of(part.begin(), part.end(), [&](const Json& inner) { return refersTo(inner, texture); });
+// All textures that a part of the document refers to.
+void addReferred(const Json& part, std::set<size_t>& out) {
+    if (!part.is_structured()) return;
+    if (const size_t index = indexIn(part, "index"); index != SIZE_MAX) out.insert(index);
+    for (const Json& inner : part) addReferred(inner, out);
 }
 
 }  // namespace
@@ -301,29 +302,34 @@ Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& vi
 }
 
 std::set<size_t> removeTexels(Json& json) {
+    json["asset"]["extras"]["apertura"].erase(kEntry);
     std::set<size_t> views;
-    Json& baked = json["asset"]["extras"]["apertura"];
-    const Json entries = listOf(baked, kEntry);
-    baked.erase(kEntry);
-    // The last first: what was added behind them would change its place, and what materials refer to is theirs now.
-    for (size_t e = entries.is_array() ? entries.size() : 0; e-- > 0;)
-        removeTexture(json, indexIn(entries[e], "texture"), kImageName, views);
+    removeTextures(json, {kImageName}, views);
     return views;
 }
 
-void removeTexture(Json& json, size_t texture, const char* name, std::set<size_t>& views) {
-    const auto isLast = [&](const char* list, size_t index) { return index != SIZE_MAX && index + 1 == listOf(json, list).size(); };
-    const auto usesOf = [&](const char* member, size_t index) {
-        size_t uses = 0;
-        for (const Json& other : listOf(json, "textures")) uses += indexIn(other, member) == index;
-        return uses;
-    };
-    if (!isLast("textures", texture) || refersTo(listOf(json, "materials"), texture)) return;
-    const size_t source = indexIn(json["textures"][texture], "source"), sampler = indexIn(json["textures"][texture], "sampler");
-    if (!isLast("images", source) || usesOf("source", source) > 1 || !isCalled(json["images"][source], name)) return;
-    if (const size_t view = indexIn(json["images"][source], "bufferView"); view != SIZE_MAX) views.insert(view);
-    json["textures"].erase(texture), json["images"].erase(source);
-    if (isLast("samplers", sampler) && usesOf("sampler", sampler) == 0) json["samplers"].erase(sampler);
+bool isImageOf(const Json& json, size_t texture, const char* name) {
+    if (texture >= listOf(json, "textures").size()) return false;
+    const size_t source = indexIn(json["textures"][texture], "source");
+    return source < listOf(json, "images").size() && isCalled(json["images"][source], name);
+}
+
+void removeTextures(Json& json, std::initializer_list<const char*> names, std::set<size_t>& views) {
+    std::set<size_t> referred;
+    addReferred(listOf(json, "materials"), referred);
+    std::map<size_t, size_t> sourceUses, samplerUses;
+    for (const Json& texture : listOf(json, "textures"))
+        ++sourceUses[indexIn(texture, "source")], ++samplerUses[indexIn(texture, "sampler")];
+    // The last first: what was added behind them would change its place, and what materials refer to is theirs now.
+    for (size_t t = listOf(json, "textures").size(); t-- > 0;) {
+        const size_t source = indexIn(json["textures"][t], "source"), sampler = indexIn(json["textures"][t], "sampler");
+        const bool isOurs = std::any_of(names.begin(), names.end(), [&](const char* name) { return isImageOf(json, t, name); });
+        if (!isOurs || referred.contains(t) || sourceUses[source] > 1 || source + 1 != json["images"].size()) break;
+        if (const size_t view = indexIn(json["images"][source], "bufferView"); view != SIZE_MAX) views.insert(view);
+        json["textures"].erase(t), json["images"].erase(source);
+        if (--samplerUses[sampler] == 0 && sampler != SIZE_MAX && sampler + 1 == listOf(json, "samplers").size())
+            json["samplers"].erase(sampler);
+    }
     for (const char* list : {"textures", "images", "samplers"})
         if (json.contains(list) && json[list].empty()) json.erase(list);
 }

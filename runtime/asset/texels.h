@@ -59,9 +59,11 @@ PngImage visibilityImage(const SeenOnTexels& texels, const glm::mat3& toLocal, i
 // The images of a scene in a document: adds them to it and returns their description, or null where no instance has one.
 Json addTexels(GltfWriter& writer, const Scene& scene, const BakedVisibility& visibility, int bits);
 
-// Of a texture by its index: removes it from the document if it is the last one and nothing else uses it, with its image, if that is called
-// `name`, and its sampler. Adds the view that held the image to `views`.
-void removeTexture(Json& json, size_t texture, const char* name, std::set<size_t>& views);
+// Takes out the textures at the end of the document whose images are called one of `names`, with their images and samplers, as long as
+// nothing else uses them. Adds the views that held the images to `views`.
+void removeTextures(Json& json, std::initializer_list<const char*> names, std::set<size_t>& views);
+// True if there is such a texture, and its image is called so.
+bool isImageOf(const Json& json, size_t texture, const char* name);
 // The index that `key` names in an entry; SIZE_MAX where there is none.
 size_t indexIn(const Json& entry, const char* key);
 // A sampler for images of visibility, added to the document: linear, between mips too, without repetition.
