@@ -370,6 +370,9 @@ TEST(Cli, RefusesTolerancesAndModelsThatAreNone) {
     const std::string onFaces = folder / "faces.glb";
     ASSERT_EQ(run("bake builtin:arcade -o " + onFaces + " --rays 16 --storage-tolerance 0.2").code, 0);
     expectRefusal("render " + onFaces + " -o " + (folder / "f.png") + " --light-at vertices", 1, "samples on its faces");
+    const std::string imaged = folder / "i.glb";
+    ASSERT_EQ(run("bake " APERTURA_SOURCE "/tests/data/arcade.glb -o " + imaged + " --at texels --texels 16 --rays 8").code, 0);
+    expectRefusal("render " + imaged + " -o " + (folder / "f.png") + " --light-at vertices", 1, "has images");
     const std::string out = folder / "o.glb";
     for (const char* tolerance : {"0", "-1", "nan", "inf", "much"})
         expectRefusal("bake builtin:room-1 -o " + out + " --model auto --tolerance " + tolerance, 2, "--tolerance");

@@ -29,6 +29,7 @@ double bytesOf(const Asset& asset) {
     if (!hasTexels(asset)) return double(visibilityBytes(asset));
     double sum = 0;
     for (size_t i = 0; i < asset.seen.size(); ++i) {
+        sum += double(asset.seen[i].visibility.size()) * asset.info.bits / 2;
         const glm::mat3 toLocal = glm::transpose(rotationPart(asset.scene.instances[i].toWorld));
         sum += double(encodePng(visibilityImage(asset.seen[i].texels, toLocal, asset.info.bits)).size());
     }

@@ -12,7 +12,7 @@ struct PlaceRow {
     std::string scene;
     std::string at;  // vertices, faces or texels
     int texels;      // of each image, across and down; 0: none, or a height map's own
-    double bytes;    // of visibility in the file: of images theirs alone, as PNG
+    double bytes;    // of visibility in the file, of its vertices too; of images as PNG
     double rmse;     // of E / (L pi sin^2 r) between the samples, a light of 5 degrees
     double ambient;  // of the sky's E over pi
     double own;      // as rmse, of the model made at the receivers themselves

@@ -169,9 +169,14 @@ def place_chart(places, folder):
         axes.scatter([p["bytes"] for p in found], [p["rmse"] for p in found], marker=marker, color=colour, label=at, zorder=3)
     for scene in sorted({p["scene"] for p in places}):
         own = sorted((p for p in places if p["scene"] == scene), key=lambda p: p["bytes"])
-        axes.plot([p["bytes"] for p in own], [p["rmse"] for p in own], color="#bbb", linewidth=0.7)
-        axes.annotate(scene.removeprefix("builtin:").split("/")[-1], (own[-1]["bytes"], own[-1]["rmse"]), fontsize=7, xytext=(4, 3), textcoords="offset points")
-    axes.set(xscale="log", xlabel="bytes of visibility", ylabel="RMSE of E / (L π sin²r), light radius 5°", ylim=(0, None))
+        images = [p for p in own if p["at"] == "texels"]
+        axes.plot([p["bytes"] for p in images], [p["rmse"] for p in images], color="#37a", linewidth=0.7)
+        for p in images:
+            if p["texels"]:
+                axes.annotate(f"{p['texels']:g}²", (p["bytes"], p["rmse"]), fontsize=6, color="#37a", xytext=(0, -10), textcoords="offset points", ha="center")
+        axes.plot([own[0]["bytes"], own[-1]["bytes"]], [own[0]["own_rmse"]] * 2, color="#bbb", linewidth=0.7, linestyle=":")
+        axes.annotate(scene.removeprefix("builtin:").split("/")[-1], (own[-1]["bytes"], own[-1]["rmse"]), fontsize=7, xytext=(-2, 6), textcoords="offset points", ha="right")
+    axes.set(xscale="log", xlabel="bytes of visibility in the file; dotted: what the model itself errs", ylabel="RMSE of E / (L π sin²r), light radius 5°", ylim=(0, None))
     axes.legend(fontsize=7)
     axes.set_title("Where visibility is stored: soft at vertices, on faces, in images", fontsize=9)
     save(figure, folder, "places")

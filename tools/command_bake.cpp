@@ -195,7 +195,7 @@ void addBakeCommand(CLI::App& program) {
     command
         .add_option("--images", a->images,
                     "images beside the asset too: OUT.visibility.png, or .bent-normal.png and .occlusion.png; as .exr, the numbers "
-                    "themselves in half floats [none]")
+                    "themselves in half floats, -1..1 [none]")
         ->check(CLI::IsMember({"png", "exr"}))
         ->type_name("png|exr");
     command

@@ -6,6 +6,7 @@
 
 #include "runtime/asset/asset.h"
 #include "runtime/asset/params_stream.h"
+#include "runtime/asset/texels.h"
 #include "sh/packing.h"
 #include "sh/shading.h"
 #include "tools/commands.h"
@@ -62,8 +63,14 @@ nlohmann::ordered_json describe(const std::string& file) {
         samples += count;
     }
     nlohmann::ordered_json images = nlohmann::json::array();
-    for (const SeenByInstance& seen : asset.seen)
-        if (!seen.texels.visibility.empty()) images.push_back({seen.texels.width, seen.texels.height});
+    size_t imageBytes = 0;
+    for (size_t i = 0; i < asset.seen.size(); ++i) {
+        const SeenOnTexels& texels = asset.seen[i].texels;
+        if (texels.visibility.empty()) continue;
+        images.push_back({texels.width, texels.height});
+        const glm::mat3 toLocal = glm::transpose(rotationPart(asset.scene.instances[i].toWorld));
+        imageBytes += encodePng(visibilityImage(texels, toLocal, texels.bits)).size();
+    }
     const PackingError error = packingError(asset.info.bits);
     nlohmann::ordered_json out{{"file", file},
                                {"version", asset.info.version},
@@ -82,6 +89,7 @@ nlohmann::ordered_json describe(const std::string& file) {
                                {"samples", samples},
                                {"samples_by_steps", bySteps},
                                {"images", images},
+                               {"image_bytes", imageBytes},
                                {"bent_normals", asset.info.bentNormals},
                                {"unmet_area", asset.info.unmetArea},
                                {"mean_open", area / double(vertices)},
@@ -121,7 +129,7 @@ void print(const nlohmann::ordered_json& d) {
         for (size_t i = 0; i < std::min<size_t>(images.size(), kImagesShown); ++i)
             std::printf("%s %d x %d", i > 0 ? "," : "", images[i][0].get<int>(), images[i][1].get<int>());
         if (images.size() > kImagesShown) std::printf(" and %zu more", images.size() - kImagesShown);
-        std::printf(" texels\n");
+        std::printf(" texels; %zu bytes as PNG\n", d["image_bytes"].get<size_t>());
     }
     if (d["bent_normals"].get<int>() > 0)
         std::printf("  for engines   bent normals and occlusion of %d instances, an image of each\n", d["bent_normals"].get<int>());

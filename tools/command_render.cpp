@@ -81,6 +81,8 @@ void run(const Arguments& a) {
         if (own && !model) model = findModel("soft");
         if (a.lightAt == "vertices" && hasSamplesOnFaces(asset))
             throw Error(a.file + ": has samples on its faces, which --light-at vertices would leave out; bake it with --at vertices");
+        if (a.lightAt == "vertices" && hasTexels(asset))
+            throw Error(a.file + ": has images, which --light-at vertices would leave out; bake it with --at vertices");
         const Gpu gpu;
         Renderer renderer(gpu, asset);
         if (model) {

@@ -347,6 +347,8 @@ Asset toAsset(Scene scene) {
     if (described.is_object()) {
         asset.info = readInfo(described, scene.name);
         asset.info.bentNormals = countBentNormals(document.json, described);
+        if (asset.info.bentNormals > 0)
+            scene.notes.push_back("its images are bent normals and occlusion for engines: what its vertices store is drawn and measured");
     }
     const Model* stored = storedModel(asset.info);
     std::map<std::pair<size_t, size_t>, size_t> streams;

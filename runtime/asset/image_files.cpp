@@ -44,7 +44,7 @@ std::vector<std::unique_ptr<PendingFile>> pendingImages(const std::string& asset
         add(bentImage(bent, bits), [&] {
             std::vector<float> numbers;
             for (const glm::vec4& texel : bent.texels)
-                for (int c = 0; c < 3; ++c) numbers.push_back(0.5f + 0.5f * texel[c]);
+                for (int c = 0; c < 3; ++c) numbers.push_back(texel[c]);
             return numbers;
         });
         add(occlusionImage(bent, bits), [&] {
