@@ -104,7 +104,9 @@ struct Renderer::State {
           frames(frames_),
           onFaces(hasSamplesOnFaces(asset_)),
           onTexels(hasTexels(asset_)),
-          softNodes(uploadStorage(gpu_, std::vector<vec4>(apertura::softNodes().begin(), apertura::softNodes().end()))),
+          // Nothing else reads it.
+          softNodes(upload(gpu_, std::as_bytes(onTexels ? apertura::softNodes() : apertura::softNodes().first(1)),
+                           vk::BufferUsageFlagBits::eStorageBuffer)),
           noVertices(gpu_, 0, vk::BufferUsageFlagBits::eStorageBuffer, GpuBuffer::Place::Device) {
         for (GeometryPart& part : splitGeometry(asset_, partLimits(gpu_, frames_ + 1))) {
             vertexCount += part.vertices;
