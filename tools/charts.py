@@ -327,7 +327,7 @@ def markdown(rows, table, fronts, folder, radius, about, date):
     lines = ["# Error against cost", "",
              f"Made by `apertura chart` {about['version']} on {date}, {about['receivers']} receivers a scene. RMSE of E / (L π sin²r), "
              "mean over the scenes; whole: interpolated between what an asset stores, elsewhere made at the receivers; cycles above N·L as Mesa's compiler states them for one wave.", "",
-             "![error against the cycles of a pixel](error-cycles-pixel-navi21.png)", "", "![error by scene](scenes.png)", "",
+             "![error against the cycles of a pixel](error-cycles-pixel-navi21.png)", "", "![error by scene](scenes.png)", "", *(["![error from point to point](mottle.png)", ""] if any(row["whole_mottle"] is not None for row in table.values()) else []),
              "| model | numbers | bytes | " + " | ".join(f"{r:g}°" for r in radii) + f" | whole, {radius:g}° | sky | whole sky | mottle, {radii[0]:g}° | mottle, {radius:g}° | edges, {radii[0]:g}° | leak 99 % | a light, {radius:g}° | "
              + " | ".join(f"a pixel, {r:g}°" for r in radii if r != 1 and r < 30) + f" | GCN4, {radius:g}° | frame / N·L | bake / sh |",
              "|---|---|---|" + "---|" * (len(radii) + 11 + sum(r != 1 and r < 30 for r in radii))]
