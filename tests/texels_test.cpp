@@ -555,8 +555,8 @@ TEST(TexelMips, AreDrawnWithoutAliases) {
         const double away = error(imaged([](int, int y) { return y % 2 == 0; }), model);
         const double along = error(imaged([](int x, int) { return x / 4 % 2 == 0; }), model);
         std::printf("%s: stripes across err by %.3f, along by %.3f\n", model, away, along);
-        EXPECT_LT(away, 0.06) << model;   // without mips .3
-        EXPECT_LT(along, 0.08) << model;  // without places along the longer side they are lost
+        EXPECT_LT(away, 0.06) << model;   // without mips .062 to .069; with what is converted at load, soft .38
+        EXPECT_LT(along, 0.08) << model;  // with one place a pixel .12 to .13
     }
 }
 
