@@ -1,4 +1,4 @@
-#include "sh/cap_reference.h"
+#include "apertura/sh/cap_reference.h"
 
 #include <algorithm>
 #include <array>

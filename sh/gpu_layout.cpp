@@ -2,14 +2,16 @@
 // the next member directly behind it, and pad a struct to a multiple of 16.
 #include <cstddef>
 
-#include "sh/shading.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
-static_assert(sizeof(CapLight) == 64 && alignof(CapLight) == 16);
-static_assert(offsetof(CapLight, axis) == 0 && offsetof(CapLight, sinRadius) == 12 && offsetof(CapLight, height) == 16);
-static_assert(offsetof(CapLight, area) == 20 && offsetof(CapLight, rim) == 24 && offsetof(CapLight, angle) == 32);
-static_assert(offsetof(CapLight, inverseSin) == 40 && offsetof(CapLight, shrink) == 48 && offsetof(CapLight, axialWeight) == 56);
+static_assert(sizeof(AperturaCapLight) == 64 && alignof(AperturaCapLight) == 16);
+static_assert(offsetof(AperturaCapLight, axis) == 0 && offsetof(AperturaCapLight, sinRadius) == 12
+              && offsetof(AperturaCapLight, height) == 16);
+static_assert(offsetof(AperturaCapLight, area) == 20 && offsetof(AperturaCapLight, rim) == 24 && offsetof(AperturaCapLight, angle) == 32);
+static_assert(offsetof(AperturaCapLight, inverseSin) == 40 && offsetof(AperturaCapLight, shrink) == 48
+              && offsetof(AperturaCapLight, axialWeight) == 56);
 
 static_assert(sizeof(Light) == 96);
 static_assert(offsetof(Light, cap) == 0 && offsetof(Light, sphere) == 64 && offsetof(Light, radiance) == 80);
@@ -21,7 +23,7 @@ static_assert(offsetof(Frame, counts) == 96 && offsetof(Frame, lights) == 112);
 static_assert(sizeof(SceneVertex) == 32);
 static_assert(offsetof(SceneVertex, position) == 0 && offsetof(SceneVertex, normal) == 16);
 
-static_assert(sizeof(Evaluation) == 48 + 16 * MAX_SLOTS);
+static_assert(sizeof(Evaluation) == 48 + 16 * APERTURA_MAX_SLOTS);
 static_assert(offsetof(Evaluation, normal) == 0 && offsetof(Evaluation, light) == 16 && offsetof(Evaluation, visibility) == 32
               && offsetof(Evaluation, params) == 48);
 

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "sh/soft_solve.h"
-#include "shaders/soft_grid.glsl"
+#include "apertura/sh/soft_solve.h"
+#include "apertura/shaders/soft_grid.glsl"
 
 using namespace apertura;
 
@@ -15,17 +15,17 @@ int main(int argc, char** argv) {
     if (!out) return 1;
     constexpr double pi = std::numbers::pi;
     std::fprintf(out, "// Made by make_soft_table: the nodes of shaders/soft_grid.glsl.\n");
-    for (int i = 0; i < SOFT_AREAS; ++i) {
-        const double least = SOFT_LEAST_AREA;
-        const double u = double(i) / (SOFT_AREAS - 1);
+    for (int i = 0; i < APERTURA_SOFT_AREAS; ++i) {
+        const double least = APERTURA_SOFT_LEAST_AREA;
+        const double u = double(i) / (APERTURA_SOFT_AREAS - 1);
         const double x = std::clamp(u * u / (u * u + (1 - u) * (1 - u)), least, 1 - least);
         const double area = 2 * pi * x, haze = softStepInverse(x);
         const HardBoundary boundary(area);
-        for (int j = 0; j < SOFT_PSIS; ++j) {
-            const double p = 1 - 2.0 * j / (SOFT_PSIS - 1), psi = std::atan2(1 - std::abs(p), p);
+        for (int j = 0; j < APERTURA_SOFT_PSIS; ++j) {
+            const double p = 1 - 2.0 * j / (APERTURA_SOFT_PSIS - 1), psi = std::atan2(1 - std::abs(p), p);
             const double edge = boundary(psi);
-            for (int k = 0; k < SOFT_REACHES; ++k) {
-                const double reach = std::max<double>(SOFT_REACH * k / (SOFT_REACHES - 1), 1e-4);
+            for (int k = 0; k < APERTURA_SOFT_REACHES; ++k) {
+                const double reach = std::max<double>(APERTURA_SOFT_REACH * k / (APERTURA_SOFT_REACHES - 1), 1e-4);
                 const double rho = 1 - (1 - reach) * (1 - reach);
                 const double length = rho * edge * area / 2 * (1 - x);
                 const SoftSolution s = solveSoft({area, area / 2 + length * std::cos(psi), length * std::sin(psi)});

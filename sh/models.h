@@ -6,13 +6,13 @@
 #include <span>
 #include <string_view>
 
-#include "sh/sh4.h"
-#include "sh/shading.h"
+#include "apertura/sh/sh4.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
 // The parameters of one point, as a model's formula reads them. shaders/receiver.glsl says what each slot holds.
-using ModelParams = std::array<vec4, MAX_SLOTS>;
+using ModelParams = std::array<vec4, APERTURA_MAX_SLOTS>;
 
 // What a model stores, in the slots of its parameters from the first on. Each field is packed as numbers in -1..1.
 enum class Field {
@@ -20,7 +20,7 @@ enum class Field {
     Cap,       // an aperture; 3 numbers: x and y of the axis by octahedral mapping, and radius / pi
     Lobe,      // slope s and offset o; 4 numbers: x and y of the slope's axis, |s| / (|s| + 4), and the edge o / sqrt(1 + s^2 + o^2)
     HardLobe,  // a lobe with |s| = kHardSharpness or kSofterSharpness; 3 numbers: x and y of its axis, and 1/2 + edge / 2
-    Bend,      // a SoftQuadric's bend, in two slots; 5 numbers
+    Bend,      // a AperturaSoftQuadric's bend, in two slots; 5 numbers
     Heights4,  // sines of elevation at 4, 8, 16 or 32 azimuths (shaders/horizon.glsl), four to a slot; as many numbers
     Heights8,
     Heights16,
@@ -58,12 +58,12 @@ enum class ModelKind {
 
 // One row of the table in sh/models.cpp. A row may leave out the fields that have defaults here.
 struct Model {
-    int id;                 // MODEL_..., the shader's specialisation constant
+    int id;                 // APERTURA_MODEL_..., the shader's specialisation constant
     std::string_view name;  // on the command line
     ModelKind kind = ModelKind::Formula;
     int parts = 1;  // caps or lobes
     int numbers;    // a point's numbers that the light's formula reads; of bits, eight to a number
-    int slots = 0;  // vec4s of its parameters, 0..MAX_SLOTS
+    int slots = 0;  // vec4s of its parameters, 0..APERTURA_MAX_SLOTS
     // true: parameters may be interpolated, and the mix lies between its ends in every direction (a baseline's need not). false: the
     // light at the three corners of a triangle is interpolated. A model that mixes axes has a case in `renormalised`.
     bool mixes = false;
@@ -80,7 +80,7 @@ struct Model {
     int ownBytes = 0;
 
     bool isStored() const { return stored[0] != Field::None || kind == ModelKind::Choice; }
-    // The slot of the lobes' Combination; -1 where there is none. For two caps it is the slot of TwoCaps' weight, which
+    // The slot of the lobes' Combination; -1 where there is none. For two caps it is the slot of AperturaTwoCaps' weight, which
     // stands where a Combination has its complement.
     int flagSlot() const {
         return kind == ModelKind::Lobes && parts > 1 ? parts : kind == ModelKind::Anti || kind == ModelKind::CapAnti ? 2 : -1;
@@ -90,7 +90,7 @@ struct Model {
 // All models: models()[id].id == id. Throws std::logic_error where a model has no formula.
 std::span<const Model> models();
 
-// True where irradianceThrough has a formula for the model in this class of lights (LIGHTS_...) and, if `auto` may choose
+// True where aperturaIrradianceThrough has a formula for the model in this class of lights (APERTURA_LIGHTS_...) and, if `auto` may choose
 // the model, for it as a choice.
 bool hasFormula(const Model& model, int lightClass);
 
@@ -107,7 +107,7 @@ const Model& chosenModel(const Model& model, const ModelParams& params);
 // Writes the choice of `auto` into parameters. `outOfReach`: no model came within the tolerance.
 void setChoice(ModelParams& params, const Model& chosen, bool outOfReach);
 
-// How many numbers in -1..1 one point of the model stores beside its Visibility; 0 for models made from that. MODEL_AUTO
+// How many numbers in -1..1 one point of the model stores beside its Visibility; 0 for models made from that. APERTURA_MODEL_AUTO
 // has no size of its own: it stores the numbers of the chosen model.
 int storedNumbers(const Model& model);
 
@@ -121,27 +121,35 @@ ModelParams rotateParams(const Model& model, ModelParams params, const mat3& rot
 
 // The parameters that the shader reads, about 8 million vertices a second on one core for `soft`.
 //   stored  what unpackParams returned. The parameters are made from `visibility` instead where it is nullptr, or where
-//           the model that MODEL_AUTO chose stores nothing
+//           the model that APERTURA_MODEL_AUTO chose stores nothing
 //   normal  any length; +Y is taken where it is zero or not finite
 ModelParams toParams(const Model& model, const Visibility& visibility, const ModelParams* stored, const vec3& normal);
 
-inline ModelParams paramsOf(const Receiver& receiver) { return std::to_array(receiver.params); }
+inline ModelParams paramsOf(const AperturaReceiver& receiver) { return std::to_array(receiver.params); }
 
-inline Receiver toReceiver(const Visibility& v, const ModelParams& params, const vec3& normal) {
-    Receiver receiver{normal, vec4(v.direction, v.area), {}};
-    for (int i = 0; i < MAX_SLOTS; ++i) receiver.params[i] = params[i];
+inline AperturaReceiver toReceiver(const Visibility& v, const ModelParams& params, const vec3& normal) {
+    AperturaReceiver receiver{normal, vec4(v.direction, v.area), {}};
+    for (int i = 0; i < APERTURA_MAX_SLOTS; ++i) receiver.params[i] = params[i];
     return receiver;
 }
 
 // The receiver of a model that is made from the four numbers. `normal` is unit.
-inline Receiver toReceiver(const Model& model, const Visibility& v, const vec3& normal) {
+inline AperturaReceiver toReceiver(const Model& model, const Visibility& v, const vec3& normal) {
     return toReceiver(v, toParams(model, v, nullptr, normal), normal);
 }
 
-// The cheapest class of formulas, LIGHTS_..., that covers lights up to this radius, given as sin(radius): 0.6, 3 or 10
+// E of a light, and of a sky, of unit radiance: W/m2 per W/m2/sr. The formulas that the shader runs, for the cheapest class that covers the
+// light. `light`: aperturaCapLight of the direction towards it and the sine of its radius; lamps: aperturaCapOfSphere.
+float evaluateLight(const Model& model, const AperturaReceiver& receiver, const AperturaCapLight& light);
+float evaluateSky(const Model& model, const AperturaReceiver& receiver);
+
+// The cheapest class of formulas, APERTURA_LIGHTS_..., that covers lights up to this radius, given as sin(radius): 0.6, 3 or 10
 // degrees, or any.
 inline int lightClassOf(float sinRadius) {
-    return sinRadius <= 0.0105f ? LIGHTS_SUN : sinRadius <= 0.0524f ? LIGHTS_SMALL : sinRadius <= 0.1737f ? LIGHTS_MEDIUM : LIGHTS_ANY;
+    return sinRadius <= 0.0105f ? APERTURA_LIGHTS_SUN
+         : sinRadius <= 0.0524f ? APERTURA_LIGHTS_SMALL
+         : sinRadius <= 0.1737f ? APERTURA_LIGHTS_MEDIUM
+                                : APERTURA_LIGHTS_ANY;
 }
 
 }  // namespace apertura

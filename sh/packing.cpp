@@ -1,4 +1,4 @@
-#include "sh/packing.h"
+#include "apertura/sh/packing.h"
 
 #include <algorithm>
 #include <cmath>

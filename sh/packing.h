@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "sh/sh4.h"
+#include "apertura/sh/sh4.h"
 
 namespace apertura {
 

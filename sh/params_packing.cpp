@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sh/models.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 namespace {
@@ -47,9 +47,9 @@ void rotateAxis(vec4* slots, const mat3& rotation) { *slots = vec4(rotation * ve
 
 void packCap(const vec4* slots, float* out) {
     packAxis(vec3(*slots), out);
-    out[2] = capRadius(finiteOrZero(slots->w)) / PI;
+    out[2] = aperturaCapRadius(finiteOrZero(slots->w)) / APERTURA_PI;
 }
-void unpackCap(const float* in, vec4* slots) { *slots = vec4(unpackAxis(in), 1 - std::cos(std::abs(in[2]) * PI)); }
+void unpackCap(const float* in, vec4* slots) { *slots = vec4(unpackAxis(in), 1 - std::cos(std::abs(in[2]) * APERTURA_PI)); }
 
 void packLobe(const vec4* slots, float* out) {
     const float slope = finiteOrZero(length(vec3(*slots)));
@@ -113,12 +113,12 @@ void rotateBands(vec4* slots, const mat3& rotation) {
     float out[24]{};
     for (int i = 0; i < 5; ++i)
         for (int k = 0; k < 10; ++k) {
-            const float s = std::sqrt(1 - nodes[i] * nodes[i]), turn = 2 * PI * float(k) / 10;
+            const float s = std::sqrt(1 - nodes[i] * nodes[i]), turn = 2 * APERTURA_PI * float(k) / 10;
             const vec3 w(s * std::cos(turn), s * std::sin(turn), nodes[i]);
-            const HighBands here = highBands(w), there = highBands(transpose(rotation) * w);
+            const AperturaHighBands here = aperturaHighBands(w), there = aperturaHighBands(transpose(rotation) * w);
             float value = 0;
             for (int c = 0; c < count; ++c) value += flat(slots)[c] * flat(there.c)[c];
-            for (int c = 0; c < count; ++c) out[c] += weights[i] * 2 * PI / 10 * value * flat(here.c)[c];
+            for (int c = 0; c < count; ++c) out[c] += weights[i] * 2 * APERTURA_PI / 10 * value * flat(here.c)[c];
         }
     std::copy_n(out, count, flat(slots));
 }
@@ -131,7 +131,7 @@ void packHeights(const vec4* slots, float* out) {
     const float* stored = flat(slots);
     const bool vertical = stored[0] < -0.5f;
     for (int i = 0; i < Count; ++i) {
-        const float h = std::clamp(finiteOrZero(stored[i]) - (vertical ? ABOUT_VERTICAL : 0), -1.0f, 1.0f);
+        const float h = std::clamp(finiteOrZero(stored[i]) - (vertical ? APERTURA_ABOUT_VERTICAL : 0), -1.0f, 1.0f);
         const float root = std::copysign(std::sqrt(std::abs(h)), h);
         out[i] = vertical ? -(kLeastVertical + (1 - kLeastVertical) * (0.5f + 0.5f * root)) : std::max(h, 0.0f);
     }
@@ -141,7 +141,7 @@ void unpackHeights(const float* in, vec4* slots) {
     const bool vertical = in[0] < 0;
     for (int i = 0; i < Count; ++i) {
         const float root = 2 * std::max((std::abs(in[i]) - kLeastVertical) / (1 - kLeastVertical), 0.0f) - 1;
-        flat(slots)[i] = vertical ? std::copysign(root * root, root) + ABOUT_VERTICAL : std::max(in[i], 0.0f);
+        flat(slots)[i] = vertical ? std::copysign(root * root, root) + APERTURA_ABOUT_VERTICAL : std::max(in[i], 0.0f);
     }
 }
 
@@ -242,7 +242,7 @@ void packParams(const Model& model, const ModelParams& params, std::span<float> 
     forFields(model, [&](const Packing& packing, size_t number, size_t slot) { packing.pack(&params[slot], &numbers[number]); });
     for (float& number : numbers) number = std::clamp(finiteOrZero(number), -1.0f, 1.0f);
     if (model.flagSlot() < 0 || !model.isStored()) return;
-    const Combination combination = combinationIn(params[size_t(model.flagSlot())]);
+    const AperturaCombination combination = aperturaCombinationIn(params[size_t(model.flagSlot())]);
     if (combination.complement > 0.5f) setFlag(numbers[2]);
     if (mayPair(model) && combination.pairs > 0.5f) setFlag(numbers[5]);
     if (mayPair(model) && model.parts >= 4 && combination.pairs > 1.5f) setFlag(numbers[8]);
@@ -256,7 +256,7 @@ ModelParams unpackParams(const Model& model, std::span<const float> numbers) {
     if (hasHardLobes(model) && numbers[softerFlag(model)] < 0)
         for (size_t k = 0; k < size_t(model.parts); ++k) soften(params[k]);
     const float pairs = mayPair(model) ? float(numbers[5] < 0) + float(model.parts >= 4 && numbers[8] < 0) : 0;
-    params[size_t(model.flagSlot())] = withCombination(vec4(0), {numbers[2] < 0 ? 1.0f : 0.0f, pairs});
+    params[size_t(model.flagSlot())] = aperturaWithCombination(vec4(0), {numbers[2] < 0 ? 1.0f : 0.0f, pairs});
     return params;
 }
 

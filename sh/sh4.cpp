@@ -1,4 +1,4 @@
-#include "sh/sh4.h"
+#include "apertura/sh/sh4.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,31 +6,31 @@ namespace apertura {
 
 using namespace glm;
 
-using lpfloat = float;
-using lpvec2 = vec2;
-using lpvec3 = vec3;
-using lpvec4 = vec4;
-constexpr float lpsmall(double x) { return float(x); }
-constexpr float lplarge(double x) { return float(x); }
+using AperturaFloat = float;
+using AperturaVec2 = vec2;
+using AperturaVec3 = vec3;
+using AperturaVec4 = vec4;
+constexpr float aperturaSmall(double x) { return float(x); }
+constexpr float aperturaLarge(double x) { return float(x); }
 
 // The depths of a shadow map, as soft_shadow.glsl reads them.
 struct ShadowDepths {
     virtual ~ShadowDepths() = default;
     virtual float at(ivec2 texel) const = 0;
 };
-inline float shadowDepth(const ShadowDepths& map, ivec2 texel) { return map.at(texel); }
+inline float aperturaShadowDepth(const ShadowDepths& map, ivec2 texel) { return map.at(texel); }
 #define APERTURA_SHADOW_MAP const ShadowDepths&
 
 #define APERTURA_CPP
 #define APERTURA_FN inline
 #define APERTURA_STD140 alignas(16)
-#include "shaders/evaluate.glsl"
-#include "shaders/frame.glsl"
-#include "shaders/lattice.glsl"
-#include "shaders/models.glsl"
-#include "shaders/soft_shadow.glsl"
-#include "shaders/texels.glsl"
-#include "shaders/visible.glsl"
+#include "apertura/shaders/evaluate.glsl"
+#include "apertura/shaders/frame.glsl"
+#include "apertura/shaders/lattice.glsl"
+#include "apertura/shaders/models.glsl"
+#include "apertura/shaders/soft_shadow.glsl"
+#include "apertura/shaders/texels.glsl"
+#include "apertura/shaders/visible.glsl"
 #undef APERTURA_CPP
 #undef APERTURA_SHADOW_MAP
 #undef APERTURA_FN

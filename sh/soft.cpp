@@ -1,4 +1,4 @@
-#include "sh/soft.h"
+#include "apertura/sh/soft.h"
 
 #include <algorithm>
 
@@ -9,24 +9,24 @@ const vec4 kNodes[] = {
 #include "soft_table.inc"
 };
 
-inline vec4 softNode(int i) { return kNodes[i]; }
+inline vec4 aperturaSoftNode(int i) { return kNodes[i]; }
 
 #define APERTURA_FN inline
-#include "shaders/soft_table.glsl"
+#include "apertura/shaders/soft_table.glsl"
 #undef APERTURA_FN
 
-static_assert(std::size(kNodes) == size_t(SOFT_AREAS * SOFT_PSIS * SOFT_REACHES));
+static_assert(std::size(kNodes) == size_t(APERTURA_SOFT_AREAS * APERTURA_SOFT_PSIS * APERTURA_SOFT_REACHES));
 
 }  // namespace
 
 std::span<const vec4> softNodes() { return kNodes; }
 
-SoftAperture toSoft(const Visibility& any, const vec3& normal) {
+AperturaSoftAperture toSoft(const Visibility& any, const vec3& normal) {
     const Visibility v = clampToPossible(any);
-    const vec4 soft = softFrom(v.direction, v.area, normal);
+    const vec4 soft = aperturaSoftFrom(v.direction, v.area, normal);
     return {vec3(soft), soft.w};
 }
 
-vec4 limitedLobe(const vec4& lobe) { return limitSharpness(lobe); }
+vec4 limitedLobe(const vec4& lobe) { return aperturaLimitSharpness(lobe); }
 
 }  // namespace apertura

@@ -1,8 +1,8 @@
 #pragma once
 #include <span>
 
-#include "sh/sh4.h"
-#include "sh/shading.h"
+#include "apertura/sh/sh4.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
@@ -11,12 +11,13 @@ namespace apertura {
 // It is looked up in a table, millions of points a second on one core. E is within 0.003 RMS of the full solve
 // (soft_solve.h) at those receivers of the built-in scenes that are open by 0.001..0.999 and have a slope below 1000.
 // Harder edges are softened to the limit of the table.
-SoftAperture toSoft(const Visibility& v, const vec3& normal);
+AperturaSoftAperture toSoft(const Visibility& v, const vec3& normal);
 
-// A lobe, slope and offset, no sharper than formulas can use: limitSharpness of shaders/soft_table.glsl.
+// A lobe, slope and offset, no sharper than formulas can use: aperturaLimitSharpness of shaders/soft_table.glsl.
 vec4 limitedLobe(const vec4& lobe);
 
-// The table, for shaders that look it up themselves: SOFT_AREAS * SOFT_PSIS * SOFT_REACHES nodes (shaders/soft_grid.glsl).
+// The table, for shaders that look it up themselves: APERTURA_SOFT_AREAS * APERTURA_SOFT_PSIS * APERTURA_SOFT_REACHES nodes
+// (shaders/soft_grid.glsl).
 std::span<const vec4> softNodes();
 
 }  // namespace apertura

@@ -1,4 +1,4 @@
-#include "sh/soft_solve.h"
+#include "apertura/sh/soft_solve.h"
 
 #include <algorithm>
 #include <array>

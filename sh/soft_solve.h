@@ -15,7 +15,7 @@ struct SoftSolution {
     double offset;
 };
 
-// softStep(f) = 1/2 + f / (2 sqrt(1 + f^2)) and its inverse on (0, 1).
+// aperturaSoftStep(f) = 1/2 + f / (2 sqrt(1 + f^2)) and its inverse on (0, 1).
 double softStepExact(double f);
 double softStepInverse(double v);
 

@@ -7,7 +7,7 @@ struct Evaluation {
     vec4 normal;      // xyz
     vec4 light;       // xyz: axis; w: sinRadius
     vec4 visibility;  // D, A
-    vec4 params[MAX_SLOTS];
+    vec4 params[APERTURA_MAX_SLOTS];
 };
 
 #endif

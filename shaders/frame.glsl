@@ -8,9 +8,9 @@ const int MAX_LIGHTS = 16;
 
 // A directional light with an angular radius, or a glowing sphere.
 struct APERTURA_STD140 Light {
-    CapLight cap;   // the directional light
-    vec4 sphere;    // xyz: the centre of the sphere, w: its radius > 0, metres; zeros for a directional light
-    vec4 radiance;  // rgb, W/m2/sr
+    AperturaCapLight cap;  // the directional light
+    vec4 sphere;           // xyz: the centre of the sphere, w: its radius > 0, metres; zeros for a directional light
+    vec4 radiance;         // rgb, W/m2/sr
 };
 
 APERTURA_FN bool isSphere(Light light) { return light.sphere.w > 0.0f; }
@@ -30,11 +30,11 @@ struct SceneVertex {
     vec4 normal;    // xyz: unit; w: v
 };
 
-// The cap that a light fills as seen from `position`, metres. A lightClass other than LIGHTS_ANY has no spheres.
-APERTURA_FN CapLight capSeenFrom(vec3 position, Light light, int lightClass) {
-    if (lightClass != LIGHTS_ANY) return light.cap;
-    CapLight cap = light.cap;
-    if (isSphere(light)) cap = capOfSphere(vec3(light.sphere) - position, light.sphere.w);
+// The cap that a light fills as seen from `position`, metres. A lightClass other than APERTURA_LIGHTS_ANY has no spheres.
+APERTURA_FN AperturaCapLight capSeenFrom(vec3 position, Light light, int lightClass) {
+    if (lightClass != APERTURA_LIGHTS_ANY) return light.cap;
+    AperturaCapLight cap = light.cap;
+    if (isSphere(light)) cap = aperturaCapOfSphere(vec3(light.sphere) - position, light.sphere.w);
     return cap;
 }
 

@@ -12,14 +12,14 @@ void lightVertex(uint vertex) {
     vec3 normal = vertices[vertex].normal.xyz;
     uint at = litVertex(vertex);
     for (int i = 0; i < frame.counts.x; ++i) {
-        CapLight light = capSeenFrom(vertices[vertex].position.xyz, frame.lights[i], lightClass);
+        AperturaCapLight light = capSeenFrom(vertices[vertex].position.xyz, frame.lights[i], lightClass);
         // A pixel may face a light that its vertex does not: there the vertex is lit as if it leant towards it.
         vec3 leaning = normalize(normal + max(2.0 * light.sinRadius + 0.05 - dot(normal, light.axis), 0.0) * light.axis);
-        float open = unoccludedIrradiance(leaning, light, lightClass);
-        float e = irradianceThrough(model, receiverOf(vertex, leaning), light, lightClass);
+        float open = aperturaUnoccludedIrradiance(leaning, light, lightClass);
+        float e = aperturaIrradianceThrough(model, receiverOf(vertex, leaning), light, lightClass);
         litVertices[at + uint(i) + 1] = clamp(e / max(open, 1e-12), 0.0, 1.0);
     }
-    litVertices[at] = skyIrradiance(model, receiverOf(vertex, normal));
+    litVertices[at] = aperturaSkyIrradiance(model, receiverOf(vertex, normal));
 }
 
 void main() {

@@ -3,9 +3,9 @@
 #include "models.glsl"
 #include "scene.glsl"
 
-layout(constant_id = 0) const int model = MODEL_SOFT;
+layout(constant_id = 0) const int model = APERTURA_MODEL_SOFT;
 layout(constant_id = 1) const int more = MAX_LIGHTS / 4;
-layout(constant_id = 2) const int lightClass = LIGHTS_ANY;
+layout(constant_id = 2) const int lightClass = APERTURA_LIGHTS_ANY;
 
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
@@ -19,20 +19,20 @@ float lit = 0.0;
 
 // Without blockers a light's E is that of the pixel: its own normal, and what it sees of a lamp.
 void addLight(vec3 normal, Light light, float fraction) {
-    float e = fraction * unoccludedIrradiance(normal, capSeenFrom(worldPosition, light, lightClass), lightClass);
+    float e = fraction * aperturaUnoccludedIrradiance(normal, capSeenFrom(worldPosition, light, lightClass), lightClass);
     irradiance += e * light.radiance.rgb;
     lit += e;
 }
 
 void main() {
-    Receiver receiver;
+    AperturaReceiver receiver;
     receiver.normal = normalize(worldNormal);
     receiver.visibility = vec4(seen.xyz, 0.0);
     if (frame.counts.x > 0) addLight(receiver.normal, frame.lights[0], seen.w);
     for (int i = 0; i < more; ++i)
         for (int k = 0; k < 4; ++k)
             if (4 * i + k + 1 < frame.counts.x) addLight(receiver.normal, frame.lights[4 * i + k + 1], visible[i][k]);
-    float sky = skyNeedsMore(model) ? seen.x : skyIrradiance(model, receiver);
+    float sky = aperturaSkyNeedsMore(model) ? seen.x : aperturaSkyIrradiance(model, receiver);
     irradiance += max(sky - lit, 0.0) * frame.sky.rgb;
-    colour = vec4(frame.albedo.rgb / PI * irradiance, 1.0);
+    colour = vec4(frame.albedo.rgb / APERTURA_PI * irradiance, 1.0);
 }

@@ -4,7 +4,7 @@
 #include "lit.glsl"
 #include "models.glsl"
 
-layout(constant_id = 0) const int model = MODEL_SOFT;
+layout(constant_id = 0) const int model = APERTURA_MODEL_SOFT;
 layout(std430, set = 0, binding = 5) readonly buffer Seen { vec4 visibility[]; };  // D, A, sr, of each vertex
 
 layout(constant_id = 1) const int more = MAX_LIGHTS / 4;  // vec4s of lights after the first light
@@ -19,7 +19,7 @@ void main() {
     uint at = litVertex(gl_VertexIndex);
     worldPosition = v.position.xyz;
     worldNormal = v.normal.xyz;
-    seen = vec4(skyNeedsMore(model) ? vec3(litVertices[at], 0.0, 0.0) : visibility[gl_VertexIndex].xyz, litVertices[at + 1]);
+    seen = vec4(aperturaSkyNeedsMore(model) ? vec3(litVertices[at], 0.0, 0.0) : visibility[gl_VertexIndex].xyz, litVertices[at + 1]);
     for (int i = 0; i < more; ++i)
         for (int k = 0; k < 4; ++k) visible[i][k] = litVertices[at + uint(4 * i + k + 2)];
     gl_Position = frame.toClip * vec4(v.position.xyz, 1.0);

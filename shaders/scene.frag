@@ -5,11 +5,11 @@
 #include "vertex_params.glsl"
 
 layout(std430, set = 0, binding = 6) readonly buffer SoftTable { vec4 softNodes[]; };
-vec4 softNode(int i) { return softNodes[i]; }
+vec4 aperturaSoftNode(int i) { return softNodes[i]; }
 #include "soft_table.glsl"
 
-// One pipeline per model and class of lights. This text is compiled several times, so that each calls irradianceThrough in one place:
-// drivers copy it, with every model, to each.
+// One pipeline per model and class of lights. This text is compiled several times, so that each calls aperturaIrradianceThrough in one
+// place: drivers copy it, with every model, to each.
 //   APERTURA_CORNERS    0: the parameters are interpolated; 3: the light at the three corners is, because the lobes of neighbouring
 //                       samples need not correspond, and so at four texels; 1: one corner, to count what it costs
 //   APERTURA_ONE_LIGHT  1: for frames of just one light; 0: of any number
@@ -29,29 +29,30 @@ vec3 irradiance = vec3(0.0);
 float lit = 0.0;  // the lights' E for unit radiance
 float sky = 0.0;  // the sky's
 
-void addLight(Receiver receiver, float share, Light light) {
-    float e = share * irradianceThrough(model, receiver, capSeenFrom(worldPosition, light, lightClass), lightClass);
+void addLight(AperturaReceiver receiver, float share, Light light) {
+    float e = share * aperturaIrradianceThrough(model, receiver, capSeenFrom(worldPosition, light, lightClass), lightClass);
     irradiance += e * light.radiance.rgb;
     lit += e;
 }
 
-void addReceiver(Receiver receiver, float share) {
+void addReceiver(AperturaReceiver receiver, float share) {
 #if APERTURA_ONE_LIGHT
     addLight(receiver, share, frame.lights[0]);
 #else
     for (int i = 0; i < frame.counts.x; ++i) addLight(receiver, share, frame.lights[i]);
 #endif
-    sky += share * skyIrradiance(model, receiver);
+    sky += share * aperturaSkyIrradiance(model, receiver);
 }
 
 // The four texels of one of a footprint's places in one of its two mips, and their shares.
-vec4 texelShares(TexelFootprint footprint, int cell, out uvec4 texels) {
+vec4 texelShares(AperturaTexelFootprint footprint, int cell, out uvec4 texels) {
     int width = int(firstCell.y), height = int(firstCell.z);
     int tap = cell % footprint.taps, upper = cell / footprint.taps;
     int level = int(footprint.level) + upper;
     vec2 at = place + (float(tap) - 0.5 * float(footprint.taps - 1)) * footprint.step;
-    TexelCell found = texelCellAt(placeInMip(at, width, height, level), mipSize(width, level), mipSize(height, level));
-    texels = firstCell.x + uint(firstOfMip(width, height, level)) + uvec4(found.texels);
+    AperturaTexelCell found = aperturaTexelCellAt(aperturaPlaceInMip(at, width, height, level), aperturaMipSize(width, level),
+                                                  aperturaMipSize(height, level));
+    texels = firstCell.x + uint(aperturaFirstOfMip(width, height, level)) + uvec4(found.texels);
     float part = fract(footprint.level);
     return (upper == 1 ? part : 1.0 - part) / float(footprint.taps) * found.weights;
 }
@@ -62,18 +63,18 @@ void main() {
     uvec4 around = uvec4(firstCell, 0);
     vec4 shares = vec4(1.0 - place.x - place.y, place, 0.0);
     if (onFaces) {
-        LatticeCell cell = latticeCellFromFirst(place, pitch);
+        AperturaLatticeCell cell = aperturaLatticeCellFromFirst(place, pitch);
         around.xyz += uvec3(cell.samples);
         shares.xyz = cell.weights;
     }
     // In an image: four texels at each place that the pixel covers, in one mip or two.
     int cells = 1;
     bool inImage = onTexels && pitch == 0.0;
-    TexelFootprint footprint;
+    AperturaTexelFootprint footprint;
     if (onTexels) {
         vec2 across = dFdx(place), down = dFdy(place);  // of all pixels, beside those of other triangles too
         if (inImage) {
-            footprint = texelFootprint(across, down, mipCount(int(firstCell.y), int(firstCell.z)));
+            footprint = aperturaTexelFootprint(across, down, aperturaMipCount(int(firstCell.y), int(firstCell.z)));
             cells = footprint.taps * (fract(footprint.level) > 0.0 ? 2 : 1);
         }
     }
@@ -82,10 +83,10 @@ void main() {
     addReceiver(receiverOf(around[0], normal), shares[0]);
 #else
 #if APERTURA_CORNERS == 0
-    Receiver receiver;
+    AperturaReceiver receiver;
     receiver.normal = normal;
     receiver.visibility = vec4(0.0);
-    for (int k = 0; k < MAX_SLOTS; ++k) receiver.params[k] = vec4(0.0);
+    for (int k = 0; k < APERTURA_MAX_SLOTS; ++k) receiver.params[k] = vec4(0.0);
 #endif
     for (int cell = 0; cell < cells; ++cell) {
         if (inImage) shares = texelShares(footprint, cell, around);
@@ -94,20 +95,20 @@ void main() {
             addReceiver(receiverOf(around[c], normal), shares[c]);
 #else
             receiver.visibility += shares[c] * seen[around[c]];
-            for (uint k = 0; k < slots && !(inImage && model == MODEL_SOFT); ++k)
+            for (uint k = 0; k < slots && !(inImage && model == APERTURA_MODEL_SOFT); ++k)
                 receiver.params[k] += shares[c] * allParams[around[c] * slots + k];
 #endif
         }
     }
 #if APERTURA_CORNERS == 0
     // What is filtered is converted after: a texel that is closed and one that is open are half open between them.
-    if (inImage && model == MODEL_SOFT)
-        receiver.params[0] = limitSharpness(
-            softFrom(receiver.visibility.xyz, receiver.visibility.w, dot(facing, facing) > 0.0 ? facing : normal));
-    addReceiver(renormalised(model, receiver), 1.0);
+    if (inImage && model == APERTURA_MODEL_SOFT)
+        receiver.params[0] = aperturaLimitSharpness(
+            aperturaSoftFrom(receiver.visibility.xyz, receiver.visibility.w, dot(facing, facing) > 0.0 ? facing : normal));
+    addReceiver(aperturaRenormalised(model, receiver), 1.0);
 #endif
 #endif
     // The sky fills the part of the opening that the lights leave.
     irradiance += max(sky - lit, 0.0) * frame.sky.rgb;
-    colour = vec4(frame.albedo.rgb / PI * irradiance, 1.0);
+    colour = vec4(frame.albedo.rgb / APERTURA_PI * irradiance, 1.0);
 }

@@ -6,8 +6,8 @@
 
 layout(location = 0) out vec3 worldPosition;
 layout(location = 1) out vec3 worldNormal;
-// The lattice of the triangle's samples: see latticeCellFromFirst. One that has its three vertices alone has one step. In an image: the
-// place in texels, 0, and the first texel, width and height.
+// The lattice of the triangle's samples: see aperturaLatticeCellFromFirst. One that has its three vertices alone has one step. In an image:
+// the place in texels, 0, and the first texel, width and height.
 layout(location = 2) out vec2 place;
 layout(location = 3) flat out float pitch;
 layout(location = 4) flat out uvec3 firstCell;
@@ -24,18 +24,18 @@ void main() {
     facing = vec3(0.0);
     uint face = frame.counts.w > 0 ? indices[uint(frame.counts.w) + uint(gl_VertexIndex) / 3] : 0;
     uint level = face & 15;
-    int steps = latticeSteps(max(int(level), 1));
+    int steps = aperturaLatticeSteps(max(int(level), 1));
     if (level > 0) firstCell = (face >> 4) + uvec3(0, 1, steps + 1);
-    place = placeInLattice(vec2(corner == 1, corner == 2), float(steps));
+    place = aperturaPlaceInLattice(vec2(corner == 1, corner == 2), float(steps));
     pitch = float(steps) + 1.5;
     if (level == SAMPLES_ARE_TEXELS) {
         uint size = indices[uint(frame.counts.w) / 3 * 4 + uint(gl_VertexIndex) / 3];
         firstCell = uvec3(face >> 4, size & 65535, size >> 16);
-        place = placeInImage(vec2(v.position.w, v.normal.w), float(firstCell.y), float(firstCell.z));
+        place = aperturaPlaceInImage(vec2(v.position.w, v.normal.w), float(firstCell.y), float(firstCell.z));
         pitch = 0.0;
         vec3 a = vertices[corners.x].position.xyz;
-        facing = leaningFace(cross(vertices[corners.y].position.xyz - a, vertices[corners.z].position.xyz - a),
-                             vertices[corners.x].normal.xyz, vertices[corners.y].normal.xyz, vertices[corners.z].normal.xyz);
+        facing = aperturaLeaningFace(cross(vertices[corners.y].position.xyz - a, vertices[corners.z].position.xyz - a),
+                                     vertices[corners.x].normal.xyz, vertices[corners.y].normal.xyz, vertices[corners.z].normal.xyz);
     }
     worldPosition = v.position.xyz;
     worldNormal = v.normal.xyz;

@@ -4,7 +4,7 @@
 #include "scene.glsl"
 #include "soft_shadow.glsl"
 
-layout(set = 0, binding = 3) uniform ShadowBlock { ShadowView shadow; };
+layout(set = 0, binding = 3) uniform ShadowBlock { AperturaShadowView shadow; };
 layout(set = 0, binding = 4) uniform texture2D shadowMap;
 
 layout(location = 0) in vec3 worldPosition;
@@ -15,8 +15,8 @@ layout(location = 0) out vec4 colour;
 void main() {
     vec3 normal = normalize(worldNormal);
     float turn = 6.2831853 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
-    float open = openInShadowMap(shadowMap, shadow, worldPosition, normal, turn);
-    float lit = open * irradianceAboveHorizon(normal, frame.lights[0].cap);
-    vec3 irradiance = lit * frame.lights[0].radiance.rgb + max(PI - lit, 0.0) * frame.sky.rgb;
-    colour = vec4(frame.albedo.rgb / PI * irradiance, 1.0);
+    float open = aperturaOpenInShadowMap(shadowMap, shadow, worldPosition, normal, turn);
+    float lit = open * aperturaIrradianceAboveHorizon(normal, frame.lights[0].cap);
+    vec3 irradiance = lit * frame.lights[0].radiance.rgb + max(APERTURA_PI - lit, 0.0) * frame.sky.rgb;
+    colour = vec4(frame.albedo.rgb / APERTURA_PI * irradiance, 1.0);
 }

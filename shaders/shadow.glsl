@@ -2,7 +2,7 @@
 #ifndef APERTURA_SHADOW_GLSL
 #define APERTURA_SHADOW_GLSL
 
-struct ShadowView {
+struct AperturaShadowView {
     mat4 toLight;  // clip space of the map: depth 1 nearest the light, 0 farthest
     vec4 right;    // xyz: the map's axes in the world, unit; w of each: 1 / the map's extent along it, 1/m
     vec4 up;

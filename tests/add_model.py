@@ -23,27 +23,27 @@ def insert(path, before, text):
 
 def add(folder):
     receiver = folder / "shaders/receiver.glsl"
-    count = int(receiver.read_text().split("MODEL_COUNT = ")[1].split(";")[0])
-    insert(receiver, "const int MODEL_COUNT", f"const int MODEL_FALLOFF = {count};\nconst int MODEL_MULTI_1 = {count + 1};\n")
-    receiver.write_text(receiver.read_text().replace(f"MODEL_COUNT = {count};", f"MODEL_COUNT = {count + 2};"))
+    count = int(receiver.read_text().split("APERTURA_MODEL_COUNT = ")[1].split(";")[0])
+    insert(receiver, "const int APERTURA_MODEL_COUNT", f"const int APERTURA_MODEL_FALLOFF = {count};\nconst int APERTURA_MODEL_MULTI_1 = {count + 1};\n")
+    receiver.write_text(receiver.read_text().replace(f"APERTURA_MODEL_COUNT = {count};", f"APERTURA_MODEL_COUNT = {count + 2};"))
     models = folder / "shaders/models.glsl"
     insert(models, "        default: e = irradianceByRival(", """\
-        case MODEL_FALLOFF: e = open * falloffTo(receiver.params[0], light); break;
-        case MODEL_MULTI_1: e = open * visibleFractionOfUnion(receiver, 1, light, lightClass); break;
+        case APERTURA_MODEL_FALLOFF: e = open * aperturaFalloffTo(receiver.params[0], light); break;
+        case APERTURA_MODEL_MULTI_1: e = open * aperturaVisibleFractionOfUnion(receiver, 1, light, lightClass); break;
 """)
     insert(models, "// E of a cap light at the receiver, by the formula", """\
-APERTURA_FN lpfloat falloffTo(lpvec4 cap, CapLight light) {
-    return max(cap.w - lpfloat(1.0) + dot(lpvec3(cap), light.axis), lpfloat(0.0)) / max(cap.w, lpsmall(1e-6));
+APERTURA_FN AperturaFloat aperturaFalloffTo(AperturaVec4 cap, AperturaCapLight light) {
+    return max(cap.w - AperturaFloat(1.0) + dot(AperturaVec3(cap), light.axis), AperturaFloat(0.0)) / max(cap.w, aperturaSmall(1e-6));
 }
 
 """)
     table = folder / "sh/models.cpp"
     insert(table, "};\n// clang-format on\nstatic_assert(std::size(kModels)", """\
-    {.id = MODEL_FALLOFF, .name = "falloff", .numbers = 3, .slots = 1, .baseline = true, .fromVisibility = oneCap, .what = "linear falloff"},
-    {.id = MODEL_MULTI_1, .name = "multi-1", .kind = Kind::Union, .parts = 1, .numbers = 3, .slots = 2, .stored = {Cap}, .what = "one aperture"},
+    {.id = APERTURA_MODEL_FALLOFF, .name = "falloff", .numbers = 3, .slots = 1, .baseline = true, .fromVisibility = oneCap, .what = "linear falloff"},
+    {.id = APERTURA_MODEL_MULTI_1, .name = "multi-1", .kind = Kind::Union, .parts = 1, .numbers = 3, .slots = 2, .stored = {Cap}, .what = "one aperture"},
 """)
     insert(folder / "bake/fit/fit.cpp", '    {"auto", "fit"', """\
-    {"multi-1", "fit", MODEL_MULTI_1, -1, "one aperture", caps<1>},
+    {"multi-1", "fit", APERTURA_MODEL_MULTI_1, -1, "one aperture", caps<1>},
 """)
 
 

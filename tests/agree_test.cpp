@@ -1,10 +1,10 @@
-#include "bake/fit/agree.h"
+#include "apertura/bake/fit/agree.h"
 
-#include "bake/fit/choose.h"
-#include "bake/sampling/directions.h"
-#include "bake/sampling/occlusion.h"
-#include "bake/sampling/surface_points.h"
-#include "bake/scene/builtin.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/occlusion.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/bake/scene/builtin.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -18,7 +18,7 @@ struct Line {
         std::vector<std::pair<uint32_t, uint32_t>> edges;
         for (int i = 0; i < count; ++i) {
             points.push_back(first);
-            points.back().position += 0.02 * i * glm::dvec3(tangentTo(first.normal));
+            points.back().position += 0.02 * i * glm::dvec3(aperturaTangentTo(first.normal));
             if (i > 0) edges.emplace_back(i, i - 1);
         }
         neighbours = Neighbours(size_t(count), edges);
@@ -73,7 +73,8 @@ double meanError(const Model& model, const Line& line, const FitTools& tools) {
 
 TEST(Agree, NeighboursTakeTheSameLobesAndErrNoMore) {
     const FitTools tools(1024, FitTools::Use::Fits);
-    for (const int id : {MODEL_FIRM_2, MODEL_FIRM_4, MODEL_SOFT_2, MODEL_MULTI_2, MODEL_CAP_ANTI}) {
+    for (const int id :
+         {APERTURA_MODEL_FIRM_2, APERTURA_MODEL_FIRM_4, APERTURA_MODEL_SOFT_2, APERTURA_MODEL_MULTI_2, APERTURA_MODEL_CAP_ANTI}) {
         const Model& model = models()[size_t(id)];
         Line line(model, 40, tools);
         // Every third point is given what another part of the room would have: lobes turned about the normal by a right angle.
@@ -96,7 +97,7 @@ TEST(Agree, NeighboursTakeTheSameLobesAndErrNoMore) {
 // A square opening has four sides, of which two lobes are any two: which ones, only neighbours can say.
 TEST(Agree, WhereLobesErrAlikeNeighboursDecide) {
     const FitTools tools(1024, FitTools::Use::Fits);
-    const Model& model = models()[MODEL_FIRM_2];
+    const Model& model = models()[APERTURA_MODEL_FIRM_2];
     const float half = 0.4f;
     std::vector<uint64_t> bits(tools.lattice.wordWeight.size());
     for (size_t i = 0; i < tools.lattice.byHeight.size(); ++i) {
@@ -132,7 +133,7 @@ TEST(Agree, WhereLobesErrAlikeNeighboursDecide) {
 
 TEST(Agree, APointWithoutNeighboursStaysAsItIs) {
     const FitTools tools(256, FitTools::Use::Fits);
-    const Model& model = models()[MODEL_FIRM_2];
+    const Model& model = models()[APERTURA_MODEL_FIRM_2];
     Line line(model, 4, tools);
     const std::vector<FittedPoint> alone = line.fitted;
     agree(model, tools, {}, line.fitted, Neighbours(4, {}), 1, {});
@@ -143,7 +144,7 @@ TEST(Agree, APointWithoutNeighboursStaysAsItIs) {
 
 TEST(Agree, AChoiceGivesWayToItsNeighboursForATwentieth) {
     const FitTools tools(256);
-    const Model& model = models()[MODEL_AUTO];
+    const Model& model = models()[APERTURA_MODEL_AUTO];
     FitOptions options{.tolerance = 0.05, .lambda = 4000};
     Line line(model, 24, tools, options);
     const std::vector<FittedPoint> alone = line.fitted;

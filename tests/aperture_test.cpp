@@ -1,4 +1,4 @@
-#include "sh/aperture.h"
+#include "apertura/sh/aperture.h"
 
 #include "tests/support.h"
 
@@ -26,7 +26,7 @@ Errors againstExact(uint64_t seed, Formula&& formula, double least = 0.27, doubl
             light = std::cos(d) * axis + std::sin(d) * normalize(cross(axis, random.direction()));
         }
         if (light.z < -std::sin(r1)) continue;
-        const double error = normalised(formula(vec3(normal), capAperture(axis, r0), capLight(light, r1)), r1)
+        const double error = normalised(formula(vec3(normal), capAperture(axis, r0), aperturaCapLight(light, r1)), r1)
                            - exactFraction(normal, {{axis, r0}, {light, r1}}, r1);
         out.rms += error * error;
         out.max = std::max(out.max, std::abs(error));
@@ -38,7 +38,7 @@ Errors againstExact(uint64_t seed, Formula&& formula, double least = 0.27, doubl
 
 TEST(Aperture, LightThroughItIsWithinThreeThousandthsOfExact) {
     for (uint64_t seed : {11, 12, 13, 14}) {
-        const Errors e = againstExact(seed, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_ANY); });
+        const Errors e = againstExact(seed, [](auto... a) { return aperturaIrradianceThroughAperture(a..., APERTURA_LIGHTS_ANY); });
         EXPECT_LE(e.rms, 0.003) << "seed " << seed;
         EXPECT_LE(e.max, 0.035) << "seed " << seed;
         std::printf("seed %d: rms %.4f max %.4f\n", int(seed), e.rms, e.max);
@@ -47,9 +47,9 @@ TEST(Aperture, LightThroughItIsWithinThreeThousandthsOfExact) {
 
 TEST(Aperture, AndSoAreTheFormulasForLightsOfASize) {
     const Errors medium = againstExact(
-        15, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_MEDIUM); }, 3, 10);
+        15, [](auto... a) { return aperturaIrradianceThroughAperture(a..., APERTURA_LIGHTS_MEDIUM); }, 3, 10);
     const Errors small = againstExact(
-        16, [](auto... a) { return irradianceThroughAperture(a..., LIGHTS_SMALL); }, 0.27, 3);
+        16, [](auto... a) { return aperturaIrradianceThroughAperture(a..., APERTURA_LIGHTS_SMALL); }, 0.27, 3);
     std::printf("medium: rms %.4f max %.4f, small: rms %.4f max %.4f\n", medium.rms, medium.max, small.rms, small.max);
     EXPECT_LE(medium.rms, 0.003);
     EXPECT_LE(medium.max, 0.035);
@@ -60,7 +60,7 @@ TEST(Aperture, AndSoAreTheFormulasForLightsOfASize) {
 TEST(Aperture, AChordLeavesOfADiscWhatItShould) {
     double before = 0;
     for (int i = 1; i <= 1000; ++i) {
-        const double x = i / 1000.0, turn = std::acos(1 - 2 * x), share = discFraction(float(x));
+        const double x = i / 1000.0, turn = std::acos(1 - 2 * x), share = aperturaDiscFraction(float(x));
         EXPECT_NEAR(share, (turn - std::sin(turn) * std::cos(turn)) / pi, 0.0016) << x;
         EXPECT_LE((share - before) * 1000, 4 / pi + 1e-3) << x;  // slope of a chord through the centre
         before = share;
@@ -69,7 +69,7 @@ TEST(Aperture, AChordLeavesOfADiscWhatItShould) {
 
 TEST(Aperture, ThePublishedFormulaIsTheBaselineThatItIsSaidToBe) {
     // MATH.md found 0.19 RMS and 0.69 maximum over its mix of lights. This mix is wider and has the same maximum.
-    const Errors e = againstExact(11, [](auto... a) { return oatIrradianceThroughAperture(a...); });
+    const Errors e = againstExact(11, [](auto... a) { return aperturaOatIrradianceThroughAperture(a...); });
     EXPECT_GT(e.rms, 0.1);
     EXPECT_NEAR(e.max, 0.69, 0.02);
 }
@@ -80,7 +80,8 @@ TEST(Aperture, SurvivesWhereThePublishedFormulaFails) {
         for (double r1 : {1e-5, 0.00465, 0.26, pi / 2})
             for (const dvec3& axis : {dvec3(0, 0, 1), dvec3(0, 0, -1), dvec3(1, 0, 0)})
                 for (const dvec3& light : {axis, -axis, dvec3(0, 1, 0)}) {
-                    const float e = irradianceThroughAperture(n, capAperture(axis, r0), capLight(light, r1), LIGHTS_ANY);
+                    const float e = aperturaIrradianceThroughAperture(n, capAperture(axis, r0), aperturaCapLight(light, r1),
+                                                                      APERTURA_LIGHTS_ANY);
                     EXPECT_TRUE(std::isfinite(e) && e >= 0 && e <= 1.006 * pi * std::pow(std::sin(r1), 2) + 1e-12)
                         << r0 << " " << r1 << " gives " << e;
                 }
@@ -93,9 +94,9 @@ TEST(Aperture, ComesBackFromItsOwnCoefficients) {
         const double r = random(0.001, pi / 2), area = 2 * pi * (1 - std::cos(r));
         const Visibility cap{vec3(axis * area * (1 - area / (4 * pi))), float(area)};
         EXPECT_NEAR(capness(cap), 1, 1e-5);
-        const Aperture a = toAperture(toVisibility(toSh4(cap)), vec3(0, 0, 1));
+        const AperturaAperture a = toAperture(toVisibility(toSh4(cap)), vec3(0, 0, 1));
         EXPECT_LT(length(dvec3(a.axis) - axis), 1e-5);
-        EXPECT_NEAR(capRadius(a.height), r, 2e-4);
+        EXPECT_NEAR(aperturaCapRadius(a.height), r, 2e-4);
     }
 }
 
@@ -110,10 +111,10 @@ TEST(Aperture, AxisFallsBackToTheNormal) {
 
 TEST(Aperture, FullyOpenIsTheHemisphere) {
     const vec3 n(0, 1, 0);
-    const Aperture a = toAperture({float(pi) * n, float(2 * pi)}, n);
+    const AperturaAperture a = toAperture({float(pi) * n, float(2 * pi)}, n);
     EXPECT_NEAR(a.height, 1, 1e-6);
-    const CapLight sun = capLight(normalize(dvec3(1, 2, 0)), 0.00465);
-    EXPECT_NEAR(irradianceThroughAperture(n, a, sun, LIGHTS_ANY) / irradianceAboveHorizon(n, sun), 1, 1e-3);
+    const AperturaCapLight sun = aperturaCapLight(normalize(dvec3(1, 2, 0)), 0.00465);
+    EXPECT_NEAR(aperturaIrradianceThroughAperture(n, a, sun, APERTURA_LIGHTS_ANY) / aperturaIrradianceAboveHorizon(n, sun), 1, 1e-3);
 }
 
 }  // namespace

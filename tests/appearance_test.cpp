@@ -1,10 +1,10 @@
-#include "bake/measure/appearance.h"
+#include "apertura/bake/measure/appearance.h"
 
-#include "bake/fit/bake.h"
-#include "bake/measure/measure.h"
-#include "bake/sampling/neighbours.h"
-#include "bake/scene/builtin.h"
-#include "runtime/asset/faces.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/measure.h"
+#include "apertura/bake/sampling/neighbours.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/runtime/asset/faces.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -127,14 +127,14 @@ TEST(Appearance, OfAnAssetThatIsRight) {
     std::vector<SurfaceSample> receivers;
     for (const SurfaceSample& p : sampleReceivers(scene, 200, 1)) receivers.push_back(p);
     const Appearance appearance(asset, tracer, receivers, {0.27, 5}, 1, {});
-    EXPECT_LT(appearance.mottle(models()[MODEL_SOFT], 5), 0.02);
+    EXPECT_LT(appearance.mottle(models()[APERTURA_MODEL_SOFT], 5), 0.02);
     // The same with the vertices' visible area thrown about by a tenth.
     Random random(3);
     for (SeenByInstance& seen : asset.seen) {
         for (Visibility& v : seen.visibility) v.area *= float(random(0.8, 1.0));
         for (Visibility& v : seen.faces.visibility) v.area *= float(random(0.8, 1.0));
     }
-    EXPECT_GT(appearance.mottle(models()[MODEL_AO_AREA], 5), 0.02);
+    EXPECT_GT(appearance.mottle(models()[APERTURA_MODEL_AO_AREA], 5), 0.02);
 }
 
 // A floor under half a ceiling: the shadow of its rim is a straight line.
@@ -168,14 +168,14 @@ TEST(Appearance, EdgesUnderAStraightRim) {
             for (size_t v = 0; v < surface.positions.size(); ++v) fill(seen.visibility, seen.allParams, v, surface.positions[v]);
             seen.faces.setLevels({level, level}, true);
             for (size_t t = 0; t < 2 && level > 0; ++t)
-                for (int i = 0; i < latticeSize(latticeSteps(level)); ++i) {
-                    const vec3 weights = latticePoint(i, latticeSteps(level));
+                for (int i = 0; i < aperturaLatticeSize(aperturaLatticeSteps(level)); ++i) {
+                    const vec3 weights = latticePoint(i, aperturaLatticeSteps(level));
                     vec3 p(0);
                     for (int c = 0; c < 3; ++c) p += weights[c] * surface.positions[surface.triangles[t][size_t(c)]];
                     fill(seen.faces.visibility, seen.faces.allParams, seen.faces.first[t] + size_t(i), p);
                 }
         }
-        return Appearance(asset, tracer, receivers, {radius}, 1, {}).edge(models()[MODEL_FIRM_2], radius);
+        return Appearance(asset, tracer, receivers, {radius}, 1, {}).edge(models()[APERTURA_MODEL_FIRM_2], radius);
     };
     // With samples 6 cm apart, edges are as wide as the lobes' own, and those of a light of 5 degrees about as wide as truth's.
     EXPECT_NEAR(edgeOf(8, 4000, 5), 1.1, 0.15);

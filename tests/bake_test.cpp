@@ -1,12 +1,12 @@
-#include "bake/fit/bake.h"
-#include "bake/measure/truth.h"
-#include "bake/sampling/directions.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/truth.h"
+#include "apertura/bake/sampling/directions.h"
 
-#include "bake/sampling/surface_points.h"
-#include "bake/scene/builtin.h"
-#include "bake/scene/load.h"
-#include "bake/scene/shapes.h"
-#include "sh/packing.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/bake/scene/shapes.h"
+#include "apertura/sh/packing.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -46,7 +46,7 @@ TEST(Bake, VerticesOfNoTriangleAreClosedAndDoNoHarm) {
         info.model = recipe.name;
         info.tolerance = 0.05;
         writeAsset(folder / "o.glb", scene, bakeVertices(scene, tracer, {.recipe = recipe.name, .rays = 32}), info);
-        const Asset asset = readAsset(folder / "o.glb");
+        const Asset asset = loadAsset(folder / "o.glb");
         ASSERT_EQ(asset.seen[0].visibility.size(), plane.positions.size()) << recipe.name;
         EXPECT_EQ(asset.seen[0].visibility.back().area, 0) << recipe.name;
         EXPECT_GT(asset.seen[0].visibility.front().area, 6) << recipe.name;

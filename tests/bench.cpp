@@ -13,17 +13,17 @@
 #include <memory>
 #include <numbers>
 
-#include "bake/fit/bake.h"
-#include "bake/measure/truth.h"
-#include "bake/sampling/directions.h"
-#include "bake/sampling/surface_points.h"
-#include "bake/scene/load.h"
-#include "runtime/asset/asset.h"
-#include "runtime/asset/view.h"
-#include "runtime/render/cost.h"
-#include "sh/aperture.h"
-#include "sh/packing.h"
-#include "sh/soft.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/truth.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/view.h"
+#include "apertura/runtime/render/cost.h"
+#include "apertura/sh/aperture.h"
+#include "apertura/sh/packing.h"
+#include "apertura/sh/soft.h"
 
 namespace apertura {
 namespace {
@@ -167,7 +167,7 @@ void Fit(benchmark::State& state, const char* name) {
 void FrameLitAtVertices(benchmark::State& state) {
     const char* const file = std::getenv("APERTURA_FRAME");
     if (!file) return state.SkipWithError("APERTURA_FRAME names no baked file");
-    const Asset asset = readAsset(file);
+    const Asset asset = loadAsset(file);
     const Model* model = storedModel(asset.info);
     if (!model) model = findModel("soft");
     const Gpu gpu;

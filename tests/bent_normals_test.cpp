@@ -1,21 +1,21 @@
 // Images for other programs. Bent normals and occlusion: tangents, what an engine makes of the images, and how an asset holds them; and
 // files beside the asset.
-#include "runtime/asset/bent_normals.h"
+#include "apertura/runtime/asset/bent_normals.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "bake/sampling/directions.h"
-#include "bake/sampling/surface_points.h"
-#include "runtime/asset/file.h"
-#include "runtime/asset/gltf.h"
-#include "runtime/asset/gltf_document.h"
-#include "runtime/asset/image_files.h"
-#include "runtime/asset/png.h"
-#include "runtime/asset/tangents.h"
-#include "runtime/asset/texels.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/gltf.h"
+#include "apertura/runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/image_files.h"
+#include "apertura/runtime/asset/png.h"
+#include "apertura/runtime/asset/tangents.h"
+#include "apertura/runtime/asset/texels.h"
 #include "tests/box_over_seam.h"
 #include "tests/changed_gltf.h"
 #include "tests/support.h"
@@ -97,7 +97,8 @@ struct EngineImage {
         png = decodePng(viewBytes(document, image["bufferView"].get<size_t>()), "image");
     }
     glm::vec3 at(const glm::vec2& coordinates) const {
-        const TexelCell cell = texelCellAt(placeInImage(coordinates, float(png.width), float(png.height)), png.width, png.height);
+        const AperturaTexelCell cell = aperturaTexelCellAt(aperturaPlaceInImage(coordinates, float(png.width), float(png.height)),
+                                                           png.width, png.height);
         glm::vec3 out(0);
         for (int c = 0; c < 4; ++c)
             for (int k = 0; k < 3; ++k)
@@ -191,7 +192,7 @@ TEST(BentNormals, ComeIntoTheFileAndOutOfItAgain) {
     BakeInfo info;
     info.bits = 16;
     writeAsset(folder / "a.glb", own, bent, info);
-    const Asset asset = readAsset(folder / "a.glb");
+    const Asset asset = loadAsset(folder / "a.glb");
     EXPECT_EQ(asset.info.bentNormals, 2);
     EXPECT_FALSE(hasTexels(asset));
     const Json& json = asset.scene.document->json;

@@ -1,9 +1,9 @@
 #pragma once
 #include <array>
 
-#include "bake/fit/bake.h"
-#include "bake/scene/shapes.h"
-#include "runtime/asset/scene.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/scene/shapes.h"
+#include "apertura/runtime/asset/scene.h"
 
 namespace apertura::test {
 

@@ -63,7 +63,7 @@ TEST(Light, CutByTheHorizonWithinAThousandth) {
         for (double elevation = -60; elevation <= 90; elevation += 0.125) {
             const double r = degrees * pi / 180, e = elevation * pi / 180;
             const dvec3 axis(std::cos(e), 0, std::sin(e));
-            const double error = normalised(irradianceAboveHorizon(vec3(normal), capLight(axis, r)), r)
+            const double error = normalised(aperturaIrradianceAboveHorizon(vec3(normal), aperturaCapLight(axis, r)), r)
                                - exactFraction(normal, {{axis, r}}, r);
             worst = std::max(worst, std::abs(error));
         }
@@ -72,13 +72,13 @@ TEST(Light, CutByTheHorizonWithinAThousandth) {
 }
 
 TEST(Light, OfASphereHasTheSizeItIsSeenAt) {
-    const CapLight light = capOfSphere(vec3(0, 4, 0), 1);
+    const AperturaCapLight light = aperturaCapOfSphere(vec3(0, 4, 0), 1);
     EXPECT_FLOAT_EQ(light.sinRadius, 0.25f);
     EXPECT_NEAR(light.height, 1 - std::sqrt(1 - 0.0625), 1e-7);
     EXPECT_FLOAT_EQ(light.axis.y, 1);
-    EXPECT_FLOAT_EQ(capOfSphere(vec3(0, 0.5f, 0), 1).sinRadius, 1);  // from inside: a half-space
-    const CapLight centre = capOfSphere(vec3(0), 1);
-    EXPECT_TRUE(std::isfinite(irradianceAboveHorizon(vec3(0, 1, 0), centre)));
+    EXPECT_FLOAT_EQ(aperturaCapOfSphere(vec3(0, 0.5f, 0), 1).sinRadius, 1);  // from inside: a half-space
+    const AperturaCapLight centre = aperturaCapOfSphere(vec3(0), 1);
+    EXPECT_TRUE(std::isfinite(aperturaIrradianceAboveHorizon(vec3(0, 1, 0), centre)));
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 #include <functional>
 #include <string>
 
-#include "runtime/asset/gltf_document.h"
-#include "runtime/asset/gltf_writer.h"
+#include "apertura/runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/gltf_writer.h"
 #include "tests/support.h"
 
 namespace apertura::test {

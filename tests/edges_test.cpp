@@ -1,5 +1,5 @@
 // The mean over a light of a product of visibilities, compared with brute force and with exact overlaps.
-#include "sh/models.h"
+#include "apertura/sh/models.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -32,9 +32,9 @@ TEST(Edges, CovarianceIsThatOfTwoPlanesOverTheLight) {
         const double n = double(inside.size());
         const double exact = product / n - sumA * sumB / n / n,
                      deviations = std::sqrt((squareA / n - sumA * sumA / n / n) * (squareB / n - sumB * sumB / n / n));
-        const CapLight light = capLight(axis, radius);
+        const AperturaCapLight light = aperturaCapLight(axis, radius);
         const double s2 = std::pow(std::sin(radius), 2) / 4;
-        const double ours = s2 * covariance(float(dot(a, b)), float(dot(a, axis)), float(dot(b, axis)), light);
+        const double ours = s2 * aperturaCovariance(float(dot(a, b)), float(dot(a, axis)), float(dot(b, axis)), light);
         EXPECT_NEAR(ours, exact, 0.07 * deviations + 1e-7) << i << ", radius " << radius;
         if (i % 3 == 0) alongOnly = std::max(alongOnly, std::abs(exact) / deviations);
     }
@@ -66,10 +66,11 @@ TEST(Edges, MeansOfThreeAndFourFollowFromTheirPairs) {
             all3 += in[0] && in[1] && in[2], all4 += in[0] && in[1] && in[2] && in[3];
         }
         const auto mean = [&](double sum) { return float(sum / samples); };
-        const float ours3 = meanOfThree(vec3(mean(p[0]), mean(p[1]), mean(p[2])),
-                                        vec3(mean(pair[0][1]), mean(pair[0][2]), mean(pair[1][2])));
-        const float ours4 = meanOfFour(vec4(mean(p[0]), mean(p[1]), mean(p[2]), mean(p[3])), vec2(mean(pair[0][1]), mean(pair[2][3])),
-                                       vec4(mean(pair[0][2]), mean(pair[1][2]), mean(pair[0][3]), mean(pair[1][3])));
+        const float ours3 = aperturaMeanOfThree(vec3(mean(p[0]), mean(p[1]), mean(p[2])),
+                                                vec3(mean(pair[0][1]), mean(pair[0][2]), mean(pair[1][2])));
+        const float ours4 = aperturaMeanOfFour(vec4(mean(p[0]), mean(p[1]), mean(p[2]), mean(p[3])),
+                                               vec2(mean(pair[0][1]), mean(pair[2][3])),
+                                               vec4(mean(pair[0][2]), mean(pair[1][2]), mean(pair[0][3]), mean(pair[1][3])));
         three += std::pow(ours3 - mean(all3), 2), four += std::pow(ours4 - mean(all4), 2);
         plainThree += std::pow(mean(p[0]) * mean(p[1]) * mean(p[2]) - mean(all3), 2);
         plainFour += std::pow(mean(p[0]) * mean(p[1]) * mean(p[2]) * mean(p[3]) - mean(all4), 2);
@@ -87,14 +88,14 @@ TEST(Edges, MeansOfThreeAndFourFollowFromTheirPairs) {
 TEST(Edges, TwoMeansAreWithinWhatTwoCanHave) {
     Random random(73);
     for (int i = 0; i < 10000; ++i) {
-        const float p = float(random()), q = float(random()), w = edgeAlignment(float(random(-1.2, 1.2)));
-        const float both = meanOfTwo(p, q, w);
+        const float p = float(random()), q = float(random()), w = aperturaEdgeAlignment(float(random(-1.2, 1.2)));
+        const float both = aperturaMeanOfTwo(p, q, w);
         EXPECT_LE(both, std::min(p, q) + 1e-6f);
         EXPECT_GE(both, std::max(p + q - 1, 0.0f) - 1e-6f);
     }
-    EXPECT_EQ(meanOfTwo(0.4f, 0.7f, edgeAlignment(0)), 0.4f * 0.7f);
-    EXPECT_FLOAT_EQ(meanOfTwo(0.4f, 0.7f, edgeAlignment(1)), 0.4f);
-    EXPECT_NEAR(meanOfTwo(0.4f, 0.7f, edgeAlignment(-1)), 0.1f, 1e-6);
+    EXPECT_EQ(aperturaMeanOfTwo(0.4f, 0.7f, aperturaEdgeAlignment(0)), 0.4f * 0.7f);
+    EXPECT_FLOAT_EQ(aperturaMeanOfTwo(0.4f, 0.7f, aperturaEdgeAlignment(1)), 0.4f);
+    EXPECT_NEAR(aperturaMeanOfTwo(0.4f, 0.7f, aperturaEdgeAlignment(-1)), 0.1f, 1e-6);
 }
 
 // The same cap several times counts once, where it crosses the light's edge and where it lies within the light, so that
@@ -107,13 +108,14 @@ TEST(Edges, CapsOneUponTheOtherCountOnce) {
         const dvec3 l = normalize(dvec3(random(-0.3, 0.3), random(-0.3, 0.3), 1)), side = normalize(cross(l, random.direction()));
         const dvec3 axis = std::cos(away) * l + std::sin(away) * side;
         const double exact = exactFraction(n, {{axis, radius}, {l, light}}, light);
-        const CapLight cap = capLight(l, light);
+        const AperturaCapLight cap = aperturaCapLight(l, light);
         ModelParams stored{};
         for (int k = 0; k < 4; ++k) stored[size_t(k)] = vec4(vec3(axis), float(1 - std::cos(radius)));
         for (const char* name : {"multi-2", "multi-3", "multi-4"}) {
             const Model& model = *findModel(name);
-            const Receiver receiver = toReceiver({float(pi) * vec3(n), float(2 * pi)}, toParams(model, {}, &stored, vec3(n)), vec3(n));
-            EXPECT_NEAR(normalised(irradianceThrough(model.id, receiver, cap, lightClassOf(cap.sinRadius)), light), exact, 0.05)
+            const AperturaReceiver receiver = toReceiver({float(pi) * vec3(n), float(2 * pi)}, toParams(model, {}, &stored, vec3(n)),
+                                                         vec3(n));
+            EXPECT_NEAR(normalised(aperturaIrradianceThrough(model.id, receiver, cap, lightClassOf(cap.sinRadius)), light), exact, 0.05)
                 << name << ", light " << light << ", cap " << radius << ", away " << away;
         }
     }
@@ -128,25 +130,28 @@ TEST(Edges, VisibilitiesOfOneLightAreCorrelated) {
     for (int i = 0; i < trials; ++i) {
         const double radius = random(1, 9) * pi / 180;
         const dvec3 axis = normalize(dvec3(random(-0.2, 0.2), random(-0.2, 0.2), 1));
-        const CapLight light = capLight(axis, radius);
+        const AperturaCapLight light = aperturaCapLight(axis, radius);
         vec4 lobe[2];
-        LightVisibility seen[2];
+        AperturaLightVisibility seen[2];
         for (int k = 0; k < 2; ++k) {
             const vec3 slope = kHardSharpness * vec3(random.direction());
             lobe[k] = vec4(slope, kHardSharpness * light.sinRadius * float(random(-1, 1)) - dot(slope, light.axis));
-            Receiver receiver{vec3(0, 0, 1), vec4(0, 0, 3, 6), {}};
+            AperturaReceiver receiver{vec3(0, 0, 1), vec4(0, 0, 3, 6), {}};
             receiver.params[0] = lobe[k];
-            seen[k] = visibilityOfLight(MODEL_SOFT, receiver, light, LIGHTS_MEDIUM);
+            seen[k] = aperturaVisibilityOfLight(APERTURA_MODEL_SOFT, receiver, light, APERTURA_LIGHTS_MEDIUM);
         }
         double product = 0, square = 0;
         const int samples = 500;
         for (const dvec3& direction : directionsIn(axis, radius, samples)) {
             const vec3 w(direction);
-            const double first = softStep(lobe[0].w + dot(vec3(lobe[0]), w)), second = softStep(lobe[1].w + dot(vec3(lobe[1]), w));
+            const double first = aperturaSoftStep(lobe[0].w + dot(vec3(lobe[0]), w)),
+                         second = aperturaSoftStep(lobe[1].w + dot(vec3(lobe[1]), w));
             product += first * second / samples, square += first * first / samples;
         }
-        both += std::pow(meanOfBoth(seen[0], seen[1], light) - product, 2), plain += std::pow(seen[0].mean * seen[1].mean - product, 2);
-        twice += std::pow(meanOfBoth(seen[0], seen[0], light) - square, 2), plainTwice += std::pow(seen[0].mean * seen[0].mean - square, 2);
+        both += std::pow(aperturaMeanOfBoth(seen[0], seen[1], light) - product, 2),
+            plain += std::pow(seen[0].mean * seen[1].mean - product, 2);
+        twice += std::pow(aperturaMeanOfBoth(seen[0], seen[0], light) - square, 2),
+            plainTwice += std::pow(seen[0].mean * seen[0].mean - square, 2);
     }
     std::printf("two edges: rms %.4f, product of means %.4f; one edge twice: %.4f, %.4f\n", std::sqrt(both / trials),
                 std::sqrt(plain / trials), std::sqrt(twice / trials), std::sqrt(plainTwice / trials));
@@ -158,15 +163,15 @@ TEST(Edges, VisibilitiesOfOneLightAreCorrelated) {
 
 // A cap without an edge within the light is even over it, and its product with anything that of the means.
 TEST(Edges, ACapThatHoldsAllOfTheLightIsEven) {
-    const CapLight light = capLight(dvec3(0.2, 0, 1), 0.05);
-    Receiver lobe{vec3(0, 0, 1), vec4(0, 0, 3, 6), {}};
+    const AperturaCapLight light = aperturaCapLight(dvec3(0.2, 0, 1), 0.05);
+    AperturaReceiver lobe{vec3(0, 0, 1), vec4(0, 0, 3, 6), {}};
     lobe.params[0] = vec4(kHardSharpness * vec3(1, 0, 0), -kHardSharpness * light.axis.x);  // half of the light
-    const LightVisibility half = visibilityOfLight(MODEL_SOFT, lobe, light, LIGHTS_MEDIUM);
+    const AperturaLightVisibility half = aperturaVisibilityOfLight(APERTURA_MODEL_SOFT, lobe, light, APERTURA_LIGHTS_MEDIUM);
     for (const float side : {-1.0f, 1.0f}) {
-        const Receiver cap = withAperture(lobe, makeAperture(normalize(vec3(0.2f * side, 0, 1)), 0.8f), 0.5f);
-        const LightVisibility even = visibilityOfLight(MODEL_ALPHA, cap, light, LIGHTS_MEDIUM);
+        const AperturaReceiver cap = aperturaWithAperture(lobe, aperturaMakeAperture(normalize(vec3(0.2f * side, 0, 1)), 0.8f), 0.5f);
+        const AperturaLightVisibility even = aperturaVisibilityOfLight(APERTURA_MODEL_ALPHA, cap, light, APERTURA_LIGHTS_MEDIUM);
         EXPECT_NEAR(even.mean, 0.5, 0.01);
-        EXPECT_NEAR(meanOfBoth(even, half, light), even.mean * half.mean, 0.01);
+        EXPECT_NEAR(aperturaMeanOfBoth(even, half, light), even.mean * half.mean, 0.01);
     }
 }
 
@@ -174,17 +179,20 @@ TEST(Edges, ACapThatHoldsAllOfTheLightIsEven) {
 TEST(Edges, TheSlopeOfLobesIsTheirGradient) {
     Random random(76);
     for (int i = 0; i < 2000; ++i) {
-        const int model = i % 3 == 0 ? MODEL_FIRM_2 : i % 3 == 1 ? MODEL_FIRM_3 : MODEL_FIRM_4, count = models()[size_t(model)].parts;
-        Receiver r{vec3(0, 0, 1), vec4(0, 0, 3, 6), {}};
+        const int model = i % 3 == 0 ? APERTURA_MODEL_FIRM_2
+                        : i % 3 == 1 ? APERTURA_MODEL_FIRM_3
+                                     : APERTURA_MODEL_FIRM_4,
+                  count = models()[size_t(model)].parts;
+        AperturaReceiver r{vec3(0, 0, 1), vec4(0, 0, 3, 6), {}};
         const dvec3 axis = normalize(dvec3(random(-0.5, 0.5), random(-0.5, 0.5), 1));
         for (int k = 0; k < count; ++k) {
             const vec3 slope = 6.0f * vec3(random.direction());
             r.params[k] = vec4(slope, float(random(-1, 1)) - dot(slope, vec3(axis)));
         }
-        r.params[count] = withCombination(vec4(0), {float(i % 2), float(i / 7 % (count - 1))});
-        auto at = [&](const dvec3& w) { return visibilityOfLight(model, r, capLight(w, 1e-4), LIGHTS_SUN).mean; };
-        const CapLight light = capLight(axis, 1e-4);
-        const vec3 slope = visibilityOfLight(model, r, light, LIGHTS_SUN).slope;
+        r.params[count] = aperturaWithCombination(vec4(0), {float(i % 2), float(i / 7 % (count - 1))});
+        auto at = [&](const dvec3& w) { return aperturaVisibilityOfLight(model, r, aperturaCapLight(w, 1e-4), APERTURA_LIGHTS_SUN).mean; };
+        const AperturaCapLight light = aperturaCapLight(axis, 1e-4);
+        const vec3 slope = aperturaVisibilityOfLight(model, r, light, APERTURA_LIGHTS_SUN).slope;
         const dvec3 side = normalize(cross(axis, random.direction()));
         const double step = 1e-3, grown = (at(normalize(axis + step * side)) - at(normalize(axis - step * side))) / (2 * step);
         const double scale = std::max(1.0, double(length(slope)));
@@ -200,11 +208,13 @@ TEST(Edges, NoLargeLightBringsMoreThanTheSky) {
     const double radius = pi / 180, sky = pi * std::pow(std::sin(radius), 2) * axis.z;  // through the opening, a cap above the horizon
     const double area = 2 * pi * (1 - std::cos(radius));
     const Visibility v{vec3(axis * area * (1 - area / (4 * pi))), float(area)};
-    const Receiver receiver = toReceiver(*findModel("soft"), v, n);
+    const AperturaReceiver receiver = toReceiver(*findModel("soft"), v, n);
     for (const double light : {12.0, 30.0, 45.0})
         for (double away = 0; away < 90; away += 3) {
-            const CapLight cap = capLight(normalize(dvec3(std::sin(away * pi / 180), 0, std::cos(away * pi / 180))), light * pi / 180);
-            EXPECT_LE(irradianceThrough(MODEL_SOFT, receiver, cap, LIGHTS_ANY), 1.001 * sky) << light << " degrees, " << away << " away";
+            const AperturaCapLight cap = aperturaCapLight(normalize(dvec3(std::sin(away * pi / 180), 0, std::cos(away * pi / 180))),
+                                                          light * pi / 180);
+            EXPECT_LE(aperturaIrradianceThrough(APERTURA_MODEL_SOFT, receiver, cap, APERTURA_LIGHTS_ANY), 1.001 * sky)
+                << light << " degrees, " << away << " away";
         }
 }
 

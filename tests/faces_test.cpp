@@ -1,22 +1,22 @@
 // Samples on faces: lattices, what is fitted to them, how an asset holds them, and what is drawn and measured of them.
-#include "bake/fit/faces.h"
+#include "apertura/bake/fit/faces.h"
 
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <set>
 
-#include "bake/fit/least_squares.h"
-#include "bake/measure/measure.h"
-#include "bake/measure/seams.h"
-#include "bake/scene/load.h"
-#include "bake/scene/shapes.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/faces.h"
-#include "runtime/asset/gltf_document.h"
-#include "runtime/asset/receiver.h"
-#include "runtime/render/geometry.h"
-#include "runtime/render/renderer.h"
+#include "apertura/bake/fit/least_squares.h"
+#include "apertura/bake/measure/measure.h"
+#include "apertura/bake/measure/seams.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/bake/scene/shapes.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/faces.h"
+#include "apertura/runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/receiver.h"
+#include "apertura/runtime/render/geometry.h"
+#include "apertura/runtime/render/renderer.h"
 #include "tests/changed_gltf.h"
 #include "tests/support.h"
 
@@ -90,33 +90,33 @@ Asset anyAsset(const Scene& scene, const std::string& model, uint64_t seed) {
 
 TEST(Lattice, ACellsSamplesSurroundThePoint) {
     Random random(1);
-    for (int level = 1; level <= MAX_LATTICE_LEVEL; ++level) {
-        const int steps = latticeSteps(level);
+    for (int level = 1; level <= APERTURA_MAX_LATTICE_LEVEL; ++level) {
+        const int steps = aperturaLatticeSteps(level);
         std::set<std::pair<int, int>> points;
-        for (int k = 0; k < latticeSize(steps); ++k) {
+        for (int k = 0; k < aperturaLatticeSize(steps); ++k) {
             const glm::vec3 p = latticePoint(k, steps) * float(steps);
             EXPECT_EQ(p, glm::round(p));
             EXPECT_TRUE(points.emplace(int(p.y), int(p.z)).second);
         }
         for (int i = 0; i < 2000; ++i) {
             const glm::vec3 at = anyBarycentrics(random);
-            const LatticeCell cell = latticeCell(at, steps);
+            const AperturaLatticeCell cell = aperturaLatticeCell(at, steps);
             glm::vec3 sum(0);
             for (int c = 0; c < 3; ++c) {
                 ASSERT_GE(cell.samples[c], 0);
-                ASSERT_LT(cell.samples[c], latticeSize(steps));
+                ASSERT_LT(cell.samples[c], aperturaLatticeSize(steps));
                 EXPECT_GE(cell.weights[c], -1e-5f);
                 const glm::vec3 sample = latticePoint(cell.samples[c], steps);
                 EXPECT_LE(glm::length(sample - at), 1.5f / float(steps));
                 sum += cell.weights[c] * sample;
             }
-            EXPECT_LT(glm::length(sum - at), 3 * LATTICE_MARGIN) << level;
+            EXPECT_LT(glm::length(sum - at), 3 * APERTURA_LATTICE_MARGIN) << level;
         }
         // A fragment's weights may lie a little outside.
         for (const glm::vec3& at : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1), glm::vec3(-1e-6f, 0.5f, 0.500001f)})
             for (int c = 0; c < 3; ++c) {
-                EXPECT_GE(latticeCell(at, steps).samples[c], 0);
-                EXPECT_LT(latticeCell(at, steps).samples[c], latticeSize(steps));
+                EXPECT_GE(aperturaLatticeCell(at, steps).samples[c], 0);
+                EXPECT_LT(aperturaLatticeCell(at, steps).samples[c], aperturaLatticeSize(steps));
             }
     }
 }
@@ -130,16 +130,16 @@ TEST(LeastSquares, FindsWhatIsLinearAndClosesWhatIsUnknown) {
         return out;
     };
     const int steps = 4;
-    LeastSquares equations(size_t(latticeSize(steps)) + 1);
+    LeastSquares equations(size_t(aperturaLatticeSize(steps)) + 1);
     for (int i = 0; i < 400; ++i) {
         const glm::vec3 w = anyBarycentrics(random);
-        const LatticeCell cell = latticeCell(w, steps);
+        const AperturaLatticeCell cell = aperturaLatticeCell(w, steps);
         std::vector<Term> terms;
         for (int c = 0; c < 3; ++c) terms.emplace_back(uint32_t(cell.samples[c]), cell.weights[c]);
         equations.add(terms, at(w));
     }
     const std::vector<Visibility> found = equations.solve();
-    for (int k = 0; k < latticeSize(steps); ++k) {
+    for (int k = 0; k < aperturaLatticeSize(steps); ++k) {
         const Visibility truth = at(latticePoint(k, steps));
         EXPECT_NEAR(found[size_t(k)].area, truth.area, 2e-3) << k;
         EXPECT_LT(glm::length(found[size_t(k)].direction - truth.direction), 0.1) << k;  // no sharper than the mean about it
@@ -153,10 +153,10 @@ TEST(LeastSquares, MakesNothingSharperThanWhatWasSeen) {
     const int steps = 8;
     const float area = 2, most = 0.9f;
     const float length = most * area * (1 - area / float(4 * pi));
-    LeastSquares equations(size_t(latticeSize(steps)));
+    LeastSquares equations(size_t(aperturaLatticeSize(steps)));
     for (int i = 0; i < 2000; ++i) {
         const glm::vec3 w = anyBarycentrics(random);
-        const LatticeCell cell = latticeCell(w, steps);
+        const AperturaLatticeCell cell = aperturaLatticeCell(w, steps);
         std::vector<Term> terms;
         for (int c = 0; c < 3; ++c) terms.emplace_back(uint32_t(cell.samples[c]), cell.weights[c]);
         equations.add(terms, {{w.x < 0.45f ? length : -length, 0, 0}, area});
@@ -173,11 +173,11 @@ TEST(FaceSamples, ComeBackFromTheFile) {
             Asset asset = anyAsset(scene, model, 3);
             asset.info.bits = bits;
             writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
-            const Asset back = readAsset(folder / "a.glb");
+            const Asset back = loadAsset(folder / "a.glb");
             EXPECT_TRUE(back.scene.notes.empty());
             EXPECT_EQ(visibilityBytes(back), visibilityBytes(asset));
             const Model& drawn = storedModel(asset.info) ? *storedModel(asset.info) : *findModel("sh-l1");
-            const CapLight light = capLight(glm::dvec3(0.6, 0.64, 0.48), 0.3);
+            const AperturaCapLight light = aperturaCapLight(glm::dvec3(0.6, 0.64, 0.48), 0.3);
             Random random(4);
             for (size_t i = 0; i < scene.instances.size(); ++i) {
                 ASSERT_EQ(back.seen[i].faces.levels, asset.seen[i].faces.levels);
@@ -193,7 +193,7 @@ TEST(FaceSamples, ComeBackFromTheFile) {
                     const auto e = [&](const Asset& of) {
                         double sum = 0;
                         for (const auto& [share, r] : receiverAt(of, drawn, int(i), t, w, n))
-                            sum += share * irradianceThrough(drawn.id, r, light, LIGHTS_ANY) / light.area;
+                            sum += share * aperturaIrradianceThrough(drawn.id, r, light, APERTURA_LIGHTS_ANY) / light.area;
                         return sum;
                     };
                     EXPECT_NEAR(e(asset), e(back), 5e-3) << model;
@@ -205,7 +205,7 @@ TEST(FaceSamples, ComeBackFromTheFile) {
             for (const SeenByInstance& seen : asset.seen) plain.push_back({seen.visibility, {}, {}, {}});
             writeAsset(folder / "b.glb", again, plain, {});
             EXPECT_LT(std::filesystem::file_size(folder / "b.glb"), std::filesystem::file_size(folder / "a.glb"));
-            EXPECT_TRUE(readAsset(folder / "b.glb").seen[0].faces.levels.empty());
+            EXPECT_TRUE(loadAsset(folder / "b.glb").seen[0].faces.levels.empty());
         }
 }
 
@@ -222,7 +222,7 @@ TEST(FaceSamples, OfFewFacesTakeFewBytes) {
     asset.seen[0].faces.visibility[16] = {{0, 0, 1}, 2};
     EXPECT_EQ(visibilityBytes(asset), alone + 3 * 5 + 4 * (15 + 3 + 6));
     writeAsset(folder / "a.glb", scene, asset.seen, {});
-    const Asset back = readAsset(folder / "a.glb");
+    const Asset back = loadAsset(folder / "a.glb");
     EXPECT_EQ(back.seen[0].faces.levels, levels);
     EXPECT_NEAR(back.seen[0].faces.visibility[16].area, 2, 0.03);
 }
@@ -233,7 +233,7 @@ TEST(FaceSamples, OfOtherTrianglesAreLeftAlone) {
     const Asset asset = anyAsset(scene, "sh", 5);
     writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
     const auto lonely = [&](const std::function<void(Json&)>& change) {
-        const Asset back = readAsset(changed(folder, folder / "a.glb", change));
+        const Asset back = loadAsset(changed(folder, folder / "a.glb", change));
         EXPECT_EQ(back.scene.notes.size(), 1u);
         EXPECT_EQ(back.info.at, "vertices");
         for (const SeenByInstance& seen : back.seen) EXPECT_TRUE(seen.faces.visibility.empty());
@@ -251,7 +251,7 @@ TEST(FaceSamples, OfOtherTrianglesAreLeftAlone) {
             if (accessor.value("name", "") == "_VISIBILITY_SAMPLES") accessor.erase("bufferView");
     });
     // Accessors may stand in another order: they are found by their names.
-    const Asset same = readAsset(changed(folder, folder / "a.glb", [](Json&) {}));
+    const Asset same = loadAsset(changed(folder, folder / "a.glb", [](Json&) {}));
     EXPECT_EQ(same.seen[0].faces.levels, asset.seen[0].faces.levels);
 }
 
@@ -262,20 +262,20 @@ TEST(FaceSamples, OfInstancesOfOneMeshAreNotTakenForEachOther) {
     Asset asset = anyAsset(scene, "sh", 7);
     asset.info.at = "faces";
     writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
-    EXPECT_EQ(readAsset(folder / "a.glb").info.at, "faces");
+    EXPECT_EQ(loadAsset(folder / "a.glb").info.at, "faces");
     const auto swapped = [](Json& json) {
         Json& nodes = json["scenes"][0]["nodes"];
         ASSERT_EQ(nodes.size(), 3u);
         std::swap(nodes[1], nodes[2]);
     };
-    const Asset back = readAsset(changed(folder, folder / "a.glb", swapped));
+    const Asset back = loadAsset(changed(folder, folder / "a.glb", swapped));
     EXPECT_EQ(back.scene.notes.size(), 1u);
     EXPECT_TRUE(back.seen[1].faces.visibility.empty());
     // Not even where their vertices see the same.
     asset.seen[2].visibility = asset.seen[1].visibility;
     writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
-    EXPECT_EQ(readAsset(folder / "a.glb").info.at, "faces");
-    EXPECT_EQ(readAsset(changed(folder, folder / "a.glb", swapped)).scene.notes.size(), 1u);
+    EXPECT_EQ(loadAsset(folder / "a.glb").info.at, "faces");
+    EXPECT_EQ(loadAsset(changed(folder, folder / "a.glb", swapped)).scene.notes.size(), 1u);
 }
 
 TEST(FaceSamples, ThatLieAreRefused) {
@@ -286,7 +286,7 @@ TEST(FaceSamples, ThatLieAreRefused) {
     const auto refused = [&](const std::function<void(Json&)>& change) {
         const std::string path = changed(folder, folder / "a.glb", change);
         try {
-            readAsset(path);
+            loadAsset(path);
             ADD_FAILURE() << "was accepted";
         } catch (const Error& e) {
             EXPECT_NE(std::string(e.what()).find(path), std::string::npos) << e.what();
@@ -363,7 +363,7 @@ TEST(BakeScene, FacesThatMeetSmoothlyAreSampledAlike) {
     const SeenOnFaces faces = bakeScene(scene, tracer, options)[0].faces;
     const auto spacing = [&](size_t t) {
         const auto c = cornersOf(scene, 0, int(t));
-        return std::sqrt(glm::length(glm::cross(c[1] - c[0], c[2] - c[0]))) / latticeSteps(std::max(1, faces.level(t)));
+        return std::sqrt(glm::length(glm::cross(c[1] - c[0], c[2] - c[0]))) / aperturaLatticeSteps(std::max(1, faces.level(t)));
     };
     std::map<std::pair<uint32_t, uint32_t>, std::vector<size_t>> edges;
     for (size_t t = 0; t < floor.triangles.size(); ++t)
@@ -469,7 +469,7 @@ TEST(Seams, OfABakedSceneAreThoseOfItsBytes) {
     }
     EXPECT_GT(unequal, 0u);
     writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
-    for (const Seam& seam : measureSeams(readAsset(folder / "a.glb"), models, {5}, 100, 1))
+    for (const Seam& seam : measureSeams(loadAsset(folder / "a.glb"), models, {5}, 100, 1))
         EXPECT_LT(seam.max, bound(seam) + 0.04) << seam.model << seam.unequal;  // of bytes
 }
 
@@ -483,8 +483,8 @@ TEST(FaceSamples, AreDrawn) {
         const Surface& surface = scene.surfaces[size_t(scene.instances[i].surface)];
         SeenOnFaces& faces = lined.seen[i].faces;
         for (size_t t = 0; t < faces.levels.size(); ++t)
-            for (int k = 0; faces.level(t) && k < latticeSize(latticeSteps(faces.level(t))); ++k) {
-                const glm::vec3 w = latticePoint(k, latticeSteps(faces.level(t)));
+            for (int k = 0; faces.level(t) && k < aperturaLatticeSize(aperturaLatticeSteps(faces.level(t))); ++k) {
+                const glm::vec3 w = latticePoint(k, aperturaLatticeSteps(faces.level(t)));
                 Visibility& v = faces.visibility[faces.first[t] + size_t(k)];
                 v = {glm::vec3(0), 0};
                 for (int c = 0; c < 3; ++c) {

@@ -5,10 +5,10 @@
 #include <exception>
 #include <numbers>
 
-#include "runtime/asset/asset.h"
-#include "runtime/asset/view.h"
-#include "runtime/render/cost.h"
-#include "sh/models.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/view.h"
+#include "apertura/runtime/render/cost.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 namespace {
@@ -23,9 +23,9 @@ double sunRadius(double degrees) { return degrees * std::numbers::pi / 180; }
 void printFormulas(const Gpu& gpu) {
     std::vector<CostCase> cases;
     for (const Model& model : models())
-        if (hasFormula(model, LIGHTS_MEDIUM)) cases.push_back({model.id, LIGHTS_MEDIUM, true});
+        if (hasFormula(model, APERTURA_LIGHTS_MEDIUM)) cases.push_back({model.id, APERTURA_LIGHTS_MEDIUM, true});
     const std::vector<double> seconds = measuredCosts(gpu, cases, kPoints, kRounds);
-    const auto bare = std::find_if(cases.begin(), cases.end(), [](const CostCase& c) { return c.model == MODEL_UNSHADOWED; });
+    const auto bare = std::find_if(cases.begin(), cases.end(), [](const CostCase& c) { return c.model == APERTURA_MODEL_UNSHADOWED; });
     const double least = seconds[size_t(bare - cases.begin())];
     std::printf("\n| formula, a light of 5 degrees and the sky | ps an evaluation | over N.L |\n|---|---|---|\n");
     for (size_t i = 0; i < cases.size(); ++i)
@@ -34,7 +34,7 @@ void printFormulas(const Gpu& gpu) {
 }
 
 void printFrames(const Gpu& gpu, const char* file) {
-    const Asset asset = readAsset(file);
+    const Asset asset = loadAsset(file);
     Renderer renderer(gpu, asset);
     View view;
     view.width = kWidth, view.height = kHeight;

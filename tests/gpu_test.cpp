@@ -1,12 +1,12 @@
 // Vulkan: the device computes what the same text computes in C++, the validation layer is silent, pictures are right.
-#include "bake/fit/bake.h"
-#include "bake/measure/reference.h"
-#include "bake/scene/load.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/params_stream.h"
-#include "runtime/render/cost.h"
-#include "runtime/render/draw.h"
-#include "runtime/render/renderer.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/reference.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/params_stream.h"
+#include "apertura/runtime/render/cost.h"
+#include "apertura/runtime/render/draw.h"
+#include "apertura/runtime/render/renderer.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -50,7 +50,7 @@ ModelParams randomForm(const Model& model, const Visibility& v, const vec3& norm
     std::vector<float> numbers(size_t(storedNumbers(*stored)) + 1);
     for (float& n : numbers) n = float(random(-1, 1));
     // Real coefficients are small in the high bands.
-    if (stored->id == MODEL_SH_L4)
+    if (stored->id == APERTURA_MODEL_SH_L4)
         for (float& n : numbers) n *= 0.3f;
     ModelParams params = unpackParams(*stored, numbers);
     if (model.kind == ModelKind::Choice) setChoice(params, *stored, false);
@@ -61,17 +61,21 @@ TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
     // The driver's compiler takes most of the time: of the cheaper classes each model has one, in turn; all of them in tools/test --all.
     const auto classesOf = [](const Model& model) -> std::vector<int> {
         if (kSanitized && model.id % 4 > 0) return {};
-        if (std::getenv("APERTURA_EXHAUSTIVE")) return {LIGHTS_ANY, LIGHTS_MEDIUM, LIGHTS_SMALL, LIGHTS_SUN};
-        const int cheaper[] = {LIGHTS_MEDIUM, LIGHTS_SMALL, LIGHTS_SUN};
-        return {LIGHTS_ANY, cheaper[model.id % 3]};
+        if (std::getenv("APERTURA_EXHAUSTIVE"))
+            return {APERTURA_LIGHTS_ANY, APERTURA_LIGHTS_MEDIUM, APERTURA_LIGHTS_SMALL, APERTURA_LIGHTS_SUN};
+        const int cheaper[] = {APERTURA_LIGHTS_MEDIUM, APERTURA_LIGHTS_SMALL, APERTURA_LIGHTS_SUN};
+        return {APERTURA_LIGHTS_ANY, cheaper[model.id % 3]};
     };
     for (const Model& model : models())
         for (const int lightClass : classesOf(model)) {
             Random random(41);
             std::vector<Evaluation> inputs;
-            std::vector<Receiver> receivers;
-            const double largest = lightClass == LIGHTS_ANY ? 45 : lightClass == LIGHTS_MEDIUM ? 10 : lightClass == LIGHTS_SMALL ? 3 : 0.6;
-            for (int i = 0; i < (lightClass == LIGHTS_ANY && model.fromVisibility ? 100000 : 10000); ++i) {
+            std::vector<AperturaReceiver> receivers;
+            const double largest = lightClass == APERTURA_LIGHTS_ANY    ? 45
+                                 : lightClass == APERTURA_LIGHTS_MEDIUM ? 10
+                                 : lightClass == APERTURA_LIGHTS_SMALL  ? 3
+                                                                        : 0.6;
+            for (int i = 0; i < (lightClass == APERTURA_LIGHTS_ANY && model.fromVisibility ? 100000 : 10000); ++i) {
                 const vec3 normal(random.direction());
                 const double area = 2 * pi * random();
                 dvec3 d = random.direction();
@@ -80,15 +84,15 @@ TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
                 receivers.push_back(toReceiver(v, randomForm(model, v, normal, random), normal));
                 const double r = 0.27 * std::pow(largest / 0.27, random()) * pi / 180;
                 Evaluation e{vec4(normal, 0), vec4(vec3(random.direction()), float(std::sin(r))), receivers.back().visibility, {}};
-                std::copy_n(receivers.back().params, MAX_SLOTS, e.params);
+                std::copy_n(receivers.back().params, APERTURA_MAX_SLOTS, e.params);
                 inputs.push_back(e);
             }
             const std::vector<vec2> device = evaluateOnDevice(*gpu, model.id, lightClass, inputs);
             double worst = 0;
             for (size_t i = 0; i < inputs.size(); ++i) {
-                const CapLight light = apertura::capLight(vec3(inputs[i].light), inputs[i].light.w);
-                const float here = irradianceThrough(model.id, receivers[i], light, lightClass),
-                            sky = skyIrradiance(model.id, receivers[i]);
+                const AperturaCapLight light = apertura::aperturaCapLight(vec3(inputs[i].light), inputs[i].light.w);
+                const float here = aperturaIrradianceThrough(model.id, receivers[i], light, lightClass),
+                            sky = aperturaSkyIrradiance(model.id, receivers[i]);
                 ASSERT_TRUE(std::isfinite(device[i].x) && std::isfinite(device[i].y)) << model.name;
                 worst = std::max({worst, std::abs(double(here) - device[i].x), std::abs(double(sky) - device[i].y)});
             }
@@ -119,7 +123,7 @@ TEST_F(GpuTest, DrawsAnOpenPlaneAsTheClosedFormSays) {
     }
     for (const Model& model : models()) {
         // Models of a kind let all of the light through where nothing blocks; of the others, only that of no visibility does.
-        if (!model.fromVisibility || (model.kind == ModelKind::Formula && model.id != MODEL_UNSHADOWED)) continue;
+        if (!model.fromVisibility || (model.kind == ModelKind::Formula && model.id != APERTURA_MODEL_UNSHADOWED)) continue;
         const Picture picture = renderer.draw(view, model);
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(picture.pixels[8 * 16 + 8][c], 0.5 / pi * (8 * e * 100 + (pi - 8 * e) * view.sky[c]), 2e-3) << model.name;
@@ -271,7 +275,7 @@ TEST_F(GpuTest, RecordsOnlyWhatIsPrepared) {
 }
 
 TEST_F(GpuTest, CostsAreStatedAndTimed) {
-    const CostCase cases[] = {{MODEL_UNSHADOWED, LIGHTS_SUN}, {MODEL_FIRM_4, LIGHTS_ANY}};
+    const CostCase cases[] = {{APERTURA_MODEL_UNSHADOWED, APERTURA_LIGHTS_SUN}, {APERTURA_MODEL_FIRM_4, APERTURA_LIGHTS_ANY}};
     const std::vector<double> seconds = measuredCosts(*gpu, cases, 1 << 14, 3);
     for (double s : seconds) EXPECT_TRUE(s > 0 && std::isfinite(s)) << s;
 }

@@ -1,10 +1,10 @@
 // Light at vertices against light at pixels, and what both cost.
-#include "bake/fit/bake.h"
-#include "bake/measure/truth.h"
-#include "bake/scene/load.h"
-#include "runtime/asset/error.h"
-#include "runtime/render/draw.h"
-#include "runtime/render/renderer.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/truth.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/render/draw.h"
+#include "apertura/runtime/render/renderer.h"
 #include "tests/support.h"
 #include "tools/costs.h"
 
@@ -89,7 +89,7 @@ TEST_F(LightAtTest, FramesInFlightWithFewerLightsThanThereIsRoomForStayApart) {
     const Model& model = *findModel("firm-2");
     Renderer renderer(*gpu, asset, 2);
     constexpr auto format = VK_FORMAT_R32G32B32A32_SFLOAT;
-    renderer.prepare(model, LIGHTS_SUN, format, LightAt::Vertices, 3);
+    renderer.prepare(model, APERTURA_LIGHTS_SUN, format, LightAt::Vertices, 3);
     const View views[] = {lit(asset, {sun({1, 1, 0.5f}, 0.27)}), lit(asset, {sun({-1, 0.5f, 0}, 0.27), sun({0, 1, 1}, 0.27)})};
     const Offscreen first(*gpu, {128, 128}, vk::Format(format)), second(*gpu, {128, 128}, vk::Format(format));
     const Offscreen* targets[] = {&first, &second};
@@ -141,7 +141,7 @@ TEST_F(LightAtTest, FramesAreTimed) {
 
 TEST(Costs, TheTablesCyclesAreWhatTheCompilerStates) {
     std::vector<const Model*> chosen(autoModels().begin(), autoModels().end());
-    const int lights[] = {LIGHTS_MEDIUM};
+    const int lights[] = {APERTURA_LIGHTS_MEDIUM};
     Cycles cycles;
     try {
         cycles = cyclesOn("navi21", chosen, lights);
@@ -149,11 +149,11 @@ TEST(Costs, TheTablesCyclesAreWhatTheCompilerStates) {
         GTEST_SKIP() << e.what();
     }
     for (const Model* model : chosen) {
-        const int stated = cycles.light.at({model->id, LIGHTS_MEDIUM});
+        const int stated = cycles.light.at({model->id, APERTURA_LIGHTS_MEDIUM});
         EXPECT_NEAR(model->cycles, stated, 2 + 0.15 * stated) << model->name;
         // A pixel takes three corners where the model does not mix, and one mix where it does; it fetches besides.
-        EXPECT_GT(cycles.pixel.at({model->id, LIGHTS_MEDIUM}), (model->mixes ? 1 : 3) * stated) << model->name;
-        EXPECT_LT(cycles.lit.at({model->id, LIGHTS_MEDIUM}), 100) << model->name;
+        EXPECT_GT(cycles.pixel.at({model->id, APERTURA_LIGHTS_MEDIUM}), (model->mixes ? 1 : 3) * stated) << model->name;
+        EXPECT_LT(cycles.lit.at({model->id, APERTURA_LIGHTS_MEDIUM}), 100) << model->name;
     }
 }
 

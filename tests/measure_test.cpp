@@ -1,8 +1,8 @@
-#include "bake/measure/measure.h"
-#include "bake/fit/bake.h"
+#include "apertura/bake/measure/measure.h"
+#include "apertura/bake/fit/bake.h"
 
-#include "bake/scene/builtin.h"
-#include "bake/scene/load.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/bake/scene/load.h"
 #include "tests/support.h"
 
 namespace apertura::test {

@@ -1,13 +1,13 @@
 // The parameters of every model: packing, rotation, and their light for regions with closed forms.
-#include "bake/fit/bake.h"
-#include "bake/fit/choose.h"
-#include "bake/fit/lobe_sums.h"
-#include "bake/measure/truth.h"
-#include "bake/sampling/directions.h"
-#include "bake/sampling/surface_points.h"
-#include "bake/scene/load.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/params_stream.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/fit/lobe_sums.h"
+#include "apertura/bake/measure/truth.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/params_stream.h"
 #include "tests/support.h"
 
 #include <map>
@@ -31,13 +31,13 @@ double errorOf(const char* recipeName, const char* modelName, const FitTools& to
     const Recipe& recipe = *findRecipe(recipeName);
     const Model& model = *findModel(modelName);
     const BakedPoint point = recipe.make(tools, samples, mat3(1), {});
-    const Receiver receiver = toReceiver(point.visibility,
-                                         toParams(model, point.visibility, recipe.model >= 0 ? &point.params : nullptr, kUp), kUp);
+    const AperturaReceiver receiver = toReceiver(point.visibility,
+                                                 toParams(model, point.visibility, recipe.model >= 0 ? &point.params : nullptr, kUp), kUp);
     double sum = 0;
     int count = 0;
     for (const vec3& l : fibonacciHemisphere(200)) {
-        const CapLight light = capLight(dvec3(l), radius);
-        const double e = irradianceThrough(model.id, receiver, light, lightClassOf(light.sinRadius)) / light.area - exact(dvec3(l));
+        const AperturaCapLight light = aperturaCapLight(dvec3(l), radius);
+        const double e = aperturaIrradianceThrough(model.id, receiver, light, lightClassOf(light.sinRadius)) / light.area - exact(dvec3(l));
         sum += e * e;
         ++count;
     }
@@ -57,17 +57,17 @@ TEST(Models, EachStandsAtItsNumberAndHasAName) {
 TEST(Models, EachHasAFormulaForEveryClassOfLightsAndARecipe) {
     for (const Model& model : models()) {
         if (model.kind == ModelKind::Choice) continue;
-        for (int lightClass : {LIGHTS_ANY, LIGHTS_MEDIUM, LIGHTS_SMALL, LIGHTS_SUN})
+        for (int lightClass : {APERTURA_LIGHTS_ANY, APERTURA_LIGHTS_MEDIUM, APERTURA_LIGHTS_SMALL, APERTURA_LIGHTS_SUN})
             EXPECT_TRUE(hasFormula(model, lightClass)) << model.name;
         EXPECT_NO_THROW(recipeFor(model)) << model.name;
     }
-    const CapLight light = capLight(kUp, 0.1f);
-    const Receiver receiver{kUp, vec4(0, 0, 1, 2), {}};
-    EXPECT_EQ(irradianceThrough(MODEL_COUNT, receiver, light, LIGHTS_ANY), NO_FORMULA);
-    EXPECT_EQ(irradianceThrough(-1, receiver, light, LIGHTS_ANY), NO_FORMULA);
-    Receiver undecided = receiver;  // `auto` may not choose horizon
-    undecided.params[CHOICE_SLOT] = withChoice(vec4(0), {MODEL_HORIZON_16, false});
-    EXPECT_EQ(irradianceThrough(MODEL_AUTO, undecided, light, LIGHTS_SUN), NO_FORMULA);
+    const AperturaCapLight light = aperturaCapLight(kUp, 0.1f);
+    const AperturaReceiver receiver{kUp, vec4(0, 0, 1, 2), {}};
+    EXPECT_EQ(aperturaIrradianceThrough(APERTURA_MODEL_COUNT, receiver, light, APERTURA_LIGHTS_ANY), APERTURA_NO_FORMULA);
+    EXPECT_EQ(aperturaIrradianceThrough(-1, receiver, light, APERTURA_LIGHTS_ANY), APERTURA_NO_FORMULA);
+    AperturaReceiver undecided = receiver;  // `auto` may not choose horizon
+    undecided.params[APERTURA_CHOICE_SLOT] = aperturaWithChoice(vec4(0), {APERTURA_MODEL_HORIZON_16, false});
+    EXPECT_EQ(aperturaIrradianceThrough(APERTURA_MODEL_AUTO, undecided, light, APERTURA_LIGHTS_SUN), APERTURA_NO_FORMULA);
 }
 
 TEST(Models, AutoSpendsTheLeastOfWhatItIsAskedToSave) {
@@ -88,17 +88,18 @@ TEST(Models, AutoSpendsTheLeastOfWhatItIsAskedToSave) {
         EXPECT_GT(priceOf(*plan.alone, options.price), 0);
         options.lambda = plan.lambda;
         for (const BakedPoint& p : bakePoints(source, points, options))
-            for (int k = 0; k < 3; ++k) spent[saved][k] += priceOf(chosenModel(models()[MODEL_AUTO], p.params), prices[k]);
+            for (int k = 0; k < 3; ++k) spent[saved][k] += priceOf(chosenModel(models()[APERTURA_MODEL_AUTO], p.params), prices[k]);
     }
     for (int saved = 0; saved < 3; ++saved)
         for (int other = 0; other < 3; ++other) EXPECT_LE(spent[saved][saved], 1.05 * spent[other][saved]) << saved << " against " << other;
-    // Alone: by hand from made-up errors. Of those within 0.05 MODEL_FIRM_2 has the fewest bytes, and MODEL_SOFT_L2 the fewest cycles.
+    // Alone: by hand from made-up errors. Of those within 0.05 APERTURA_MODEL_FIRM_2 has the fewest bytes, and APERTURA_MODEL_SOFT_L2 the
+    // fewest cycles.
     std::vector<CandidateErrors> errors(2, CandidateErrors(candidates().size(), 0.2));
     for (size_t i = 0; i < candidates().size(); ++i)
-        if (candidates()[i].model->id == MODEL_FIRM_2 || candidates()[i].model->id == MODEL_SOFT_L2)
+        if (candidates()[i].model->id == APERTURA_MODEL_FIRM_2 || candidates()[i].model->id == APERTURA_MODEL_SOFT_L2)
             errors[0][i] = 0.06, errors[1][i] = 0.01;
-    EXPECT_EQ(leastAlone(errors, 0.05, Price::Bytes)->id, MODEL_FIRM_2);
-    EXPECT_EQ(leastAlone(errors, 0.05, Price::Cycles)->id, MODEL_SOFT_L2);
+    EXPECT_EQ(leastAlone(errors, 0.05, Price::Bytes)->id, APERTURA_MODEL_FIRM_2);
+    EXPECT_EQ(leastAlone(errors, 0.05, Price::Cycles)->id, APERTURA_MODEL_SOFT_L2);
     EXPECT_EQ(leastAlone(errors, 0.04, Price::Bytes), nullptr);
 }
 
@@ -117,30 +118,32 @@ TEST(Models, AutoChoosesByTagsThatAssetsHoldForEver) {
 TEST(Models, ASlotGivesBackWhatWasPutIn) {
     Random random(57);
     for (int i = 0; i < 1000; ++i) {
-        auto aperture = [&] { return makeAperture(vec3(random.direction()), float(random(0, 2))); };
-        auto expectSame = [](const Aperture& a, const Aperture& b) {
+        auto aperture = [&] { return aperturaMakeAperture(vec3(random.direction()), float(random(0, 2))); };
+        auto expectSame = [](const AperturaAperture& a, const AperturaAperture& b) {
             EXPECT_EQ(a.axis, b.axis);
             EXPECT_EQ(a.height, b.height);
             EXPECT_EQ(vec2(a.terms), vec2(b.terms));
         };
-        const Aperture a = aperture(), b = aperture(), c = aperture();
-        expectSame(onlyApertureIn(withAperture({}, a, 0.25f)), a);
-        EXPECT_EQ(opacityIn(withAperture({}, a, 0.25f)), 0.25f);
-        const TwoCaps two = twoCapsIn(withTwoCaps({}, {a, b, 0.75f, -0.5f}));
+        const AperturaAperture a = aperture(), b = aperture(), c = aperture();
+        expectSame(aperturaOnlyApertureIn(aperturaWithAperture({}, a, 0.25f)), a);
+        EXPECT_EQ(aperturaOpacityIn(aperturaWithAperture({}, a, 0.25f)), 0.25f);
+        const AperturaTwoCaps two = aperturaTwoCapsIn(aperturaWithTwoCaps({}, {a, b, 0.75f, -0.5f}));
         expectSame(two.first, a), expectSame(two.second, b);
         EXPECT_EQ(vec2(two.weight, two.axesDot), vec2(0.75f, -0.5f));
         EXPECT_EQ(two.first.terms, a.terms);
         EXPECT_EQ(two.second.terms, b.terms);
-        const Receiver all = withApertureOfUnion(withApertureOfUnion(withApertureOfUnion({}, 3, 0, a), 3, 1, b), 3, 2, c);
-        expectSame(apertureOfUnion(all, 3, 0), a), expectSame(apertureOfUnion(all, 3, 1), b), expectSame(apertureOfUnion(all, 3, 2), c);
+        const AperturaReceiver all = aperturaWithApertureOfUnion(
+            aperturaWithApertureOfUnion(aperturaWithApertureOfUnion({}, 3, 0, a), 3, 1, b), 3, 2, c);
+        expectSame(aperturaApertureOfUnion(all, 3, 0), a), expectSame(aperturaApertureOfUnion(all, 3, 1), b),
+            expectSame(aperturaApertureOfUnion(all, 3, 2), c);
         // The combination of four lobes and the choice of `auto` are in the same slot.
-        const vec4 slot = withChoice(withCombination(vec4(0), {1, 2}), {MODEL_FIRM_4, true});
-        EXPECT_EQ(combinationIn(slot).complement, 1);
-        EXPECT_EQ(combinationIn(slot).pairs, 2);
-        EXPECT_EQ(choiceIn(slot).model, MODEL_FIRM_4);
-        EXPECT_TRUE(choiceIn(slot).outOfReach);
-        EXPECT_EQ(combinationIn(withCombination(slot, {0, 1})).pairs, 1);
-        EXPECT_EQ(choiceIn(withCombination(slot, {0, 1})).model, MODEL_FIRM_4);
+        const vec4 slot = aperturaWithChoice(aperturaWithCombination(vec4(0), {1, 2}), {APERTURA_MODEL_FIRM_4, true});
+        EXPECT_EQ(aperturaCombinationIn(slot).complement, 1);
+        EXPECT_EQ(aperturaCombinationIn(slot).pairs, 2);
+        EXPECT_EQ(aperturaChoiceIn(slot).model, APERTURA_MODEL_FIRM_4);
+        EXPECT_TRUE(aperturaChoiceIn(slot).outOfReach);
+        EXPECT_EQ(aperturaCombinationIn(aperturaWithCombination(slot, {0, 1})).pairs, 1);
+        EXPECT_EQ(aperturaChoiceIn(aperturaWithCombination(slot, {0, 1})).model, APERTURA_MODEL_FIRM_4);
     }
 }
 
@@ -158,9 +161,11 @@ TEST(Models, AnyNumbersUnpackToAFiniteFormAndPackAgain) {
             // An axis can have several encodings: the light is compared.
             const Visibility v{vec3(0, 0, 1), 3};
             for (int k = 0; k < 4; ++k) {
-                const CapLight light = capLight(random.direction(), 0.1);
-                const float a = irradianceThrough(model.id, toReceiver(v, toParams(model, v, &params, kUp), kUp), light, LIGHTS_ANY);
-                const float b = irradianceThrough(model.id, toReceiver(v, toParams(model, v, &back, kUp), kUp), light, LIGHTS_ANY);
+                const AperturaCapLight light = aperturaCapLight(random.direction(), 0.1);
+                const float a = aperturaIrradianceThrough(model.id, toReceiver(v, toParams(model, v, &params, kUp), kUp), light,
+                                                          APERTURA_LIGHTS_ANY);
+                const float b = aperturaIrradianceThrough(model.id, toReceiver(v, toParams(model, v, &back, kUp), kUp), light,
+                                                          APERTURA_LIGHTS_ANY);
                 ASSERT_TRUE(std::isfinite(a));
                 ASSERT_NEAR(a / light.area, b / light.area, 0.02) << model.name;
             }
@@ -170,7 +175,7 @@ TEST(Models, AnyNumbersUnpackToAFiniteFormAndPackAgain) {
 
 TEST(Models, TheSharpnessOfHardLobesIsASignInTheirBytes) {
     Random random(53);
-    for (const int id : {MODEL_FIRM_2, MODEL_FIRM_3, MODEL_FIRM_4}) {
+    for (const int id : {APERTURA_MODEL_FIRM_2, APERTURA_MODEL_FIRM_3, APERTURA_MODEL_FIRM_4}) {
         const Model& model = models()[size_t(id)];
         for (int i = 0; i < 64; ++i) {
             const float sharpness = i & 1 ? kSofterSharpness : kHardSharpness, complement = i & 2 ? 1 : 0,
@@ -181,7 +186,7 @@ TEST(Models, TheSharpnessOfHardLobesIsASignInTheirBytes) {
                 edges.push_back(float(random(-0.9, 0.9)));
                 params[k] = sharpness * vec4(vec3(random.direction()), edges[k]);
             }
-            params[size_t(model.flagSlot())] = withCombination(vec4(0), {complement, pairs});
+            params[size_t(model.flagSlot())] = aperturaWithCombination(vec4(0), {complement, pairs});
             const auto bytes = packAllParams(model, {&params, 1}, mat3(1), 8);
             const ModelParams back = unpackAllParams(model, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 1,
                                                      mat3(1), 8)[0];
@@ -189,8 +194,8 @@ TEST(Models, TheSharpnessOfHardLobesIsASignInTheirBytes) {
                 EXPECT_NEAR(length(vec3(back[k])), sharpness, 1e-3) << model.name;
                 EXPECT_NEAR(back[k].w / sharpness, edges[k], 0.03) << model.name;
             }
-            EXPECT_EQ(combinationIn(back[size_t(model.flagSlot())]).complement, complement);
-            EXPECT_EQ(combinationIn(back[size_t(model.flagSlot())]).pairs, pairs);
+            EXPECT_EQ(aperturaCombinationIn(back[size_t(model.flagSlot())]).complement, complement);
+            EXPECT_EQ(aperturaCombinationIn(back[size_t(model.flagSlot())]).pairs, pairs);
         }
     }
 }
@@ -206,10 +211,12 @@ TEST(Models, FormsTurnWithTheirFrame) {
             const mat3 turn = frameFromZ(axis, random(0, 6));
             const ModelParams params = unpackParams(model, numbers), turned = rotateParams(model, params, turn);
             const Visibility v{vec3(0.3f, 0.2f, 1), 3}, w{turn * v.direction, v.area};
-            const CapLight light = capLight(random.direction(), 0.15), moved = capLight(dvec3(turn * light.axis), 0.15);
-            const float a = irradianceThrough(model.id, toReceiver(v, toParams(model, v, &params, kUp), kUp), light, LIGHTS_MEDIUM);
-            const float b = irradianceThrough(model.id, toReceiver(w, toParams(model, w, &turned, turn * kUp), turn * kUp), moved,
-                                              LIGHTS_MEDIUM);
+            const AperturaCapLight light = aperturaCapLight(random.direction(), 0.15),
+                                   moved = aperturaCapLight(dvec3(turn * light.axis), 0.15);
+            const float a = aperturaIrradianceThrough(model.id, toReceiver(v, toParams(model, v, &params, kUp), kUp), light,
+                                                      APERTURA_LIGHTS_MEDIUM);
+            const float b = aperturaIrradianceThrough(model.id, toReceiver(w, toParams(model, w, &turned, turn * kUp), turn * kUp), moved,
+                                                      APERTURA_LIGHTS_MEDIUM);
             EXPECT_NEAR(a / light.area, b / light.area, 2e-3) << model.name;
         }
     }
@@ -219,7 +226,7 @@ TEST(Models, HighBandsAreOrthonormal) {
     const auto lattice = sphereLattice(20000);
     double products[21][21]{};
     for (const dvec3& w : lattice) {
-        const HighBands y = highBands(vec3(w));
+        const AperturaHighBands y = aperturaHighBands(vec3(w));
         for (int a = 0; a < 21; ++a)
             for (int b = 0; b <= a; ++b) products[a][b] += double(y.c[a / 4][a % 4]) * y.c[b / 4][b % 4] * 4 * pi / 20000;
     }
@@ -236,7 +243,7 @@ TEST(Models, CapBlurIsTheMeanOverTheCap) {
             const double p[4] = {z, (3 * z * z - 1) / 2, (5 * z * z * z - 3 * z) / 2, (35 * z * z * z * z - 30 * z * z + 3) / 8};
             for (int l = 0; l < 4; ++l) sum[l] += p[l] / 10000;
         }
-        const vec4 blur = capBlur(float(h));
+        const vec4 blur = aperturaCapBlur(float(h));
         for (int l = 0; l < 4; ++l) EXPECT_NEAR(blur[l], sum[l], 1e-5);
     }
 }
@@ -420,13 +427,13 @@ TEST(Models, BytesAddLittle) {
                 const ModelParams back = unpackAllParams(model, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 1,
                                                          mat3(1), k ? 16 : 8)[0];
                 for (const vec3& l : fibonacciHemisphere(40)) {
-                    const CapLight light = apertura::capLight(frame * l, 0.0872f);
-                    const float a = irradianceThrough(
+                    const AperturaCapLight light = apertura::aperturaCapLight(frame * l, 0.0872f);
+                    const float a = aperturaIrradianceThrough(
                         model.id, toReceiver(point.visibility, toParams(model, point.visibility, &point.params, normal), normal), light,
-                        LIGHTS_MEDIUM);
-                    const float b = irradianceThrough(
+                        APERTURA_LIGHTS_MEDIUM);
+                    const float b = aperturaIrradianceThrough(
                         model.id, toReceiver(point.visibility, toParams(model, point.visibility, &back, normal), normal), light,
-                        LIGHTS_MEDIUM);
+                        APERTURA_LIGHTS_MEDIUM);
                     sum[k] += std::pow((a - b) / light.area, 2);
                     count += k;
                 }
@@ -450,9 +457,9 @@ TEST(FormStream, RefusesWhatCannotBe) {
     EXPECT_THROW(unpackAllParams(automatic, bytes, 25, mat3(1), 8), Error);
     bytes = {0, 1, 2, 0x80};  // four points without numbers; for the last no model reached the tolerance
     const std::vector<ModelParams> allParams = unpackAllParams(automatic, bytes, 4, mat3(1), 8);
-    EXPECT_EQ(chosenModel(automatic, allParams[2]).id, MODEL_SOFT);
-    EXPECT_FALSE(choiceIn(allParams[0][CHOICE_SLOT]).outOfReach);
-    EXPECT_TRUE(choiceIn(allParams[3][CHOICE_SLOT]).outOfReach);
+    EXPECT_EQ(chosenModel(automatic, allParams[2]).id, APERTURA_MODEL_SOFT);
+    EXPECT_FALSE(aperturaChoiceIn(allParams[0][APERTURA_CHOICE_SLOT]).outOfReach);
+    EXPECT_TRUE(aperturaChoiceIn(allParams[3][APERTURA_CHOICE_SLOT]).outOfReach);
     bytes[1] = 100;
     EXPECT_THROW(unpackAllParams(automatic, bytes, 4, mat3(1), 8), Error);
 }

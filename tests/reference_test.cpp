@@ -1,5 +1,5 @@
 // The ray-traced reference picture, compared with closed forms for lamps between walls.
-#include "bake/measure/reference.h"
+#include "apertura/bake/measure/reference.h"
 #include "tests/support.h"
 
 namespace apertura::test {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <functional>
 
-#include "bake/fit/fit.h"
-#include "bake/sampling/directions.h"
-#include "bake/sampling/occlusion.h"
+#include "apertura/bake/fit/fit.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/occlusion.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -175,13 +175,14 @@ double differenceTo(const char* name, const Author& author, double degrees) {
         samplePoints(region, {&point, 1}, tools.lattice, 1, 1, {},
                      [&](size_t, const Samples& s, const mat3& frame) { baked = makePoint(recipeFor(model), tools, s, frame, {}); });
         const ModelParams* stored = model.isStored() ? &baked.params : nullptr;
-        const Receiver receiver = toReceiver(baked.visibility, toParams(model, baked.visibility, stored, point.normal), point.normal);
+        const AperturaReceiver receiver = toReceiver(baked.visibility, toParams(model, baked.visibility, stored, point.normal),
+                                                     point.normal);
         for (int k = 0; k < 30; ++k) {
             glm::dvec3 towards = random.direction();
             if (glm::dot(towards, region.normal) < 0.1) continue;
             const double radius = degrees * pi / 180;
-            const CapLight light = capLight(towards, radius);
-            const double e = irradianceThrough(model.id, receiver, light, lightClassOf(light.sinRadius));
+            const AperturaCapLight light = aperturaCapLight(towards, radius);
+            const double e = aperturaIrradianceThrough(model.id, receiver, light, lightClassOf(light.sinRadius));
             const double off = normalised(float(e), radius) - author(region, Disc(towards, radius));
             sum += off * off, ++count;
         }
@@ -267,7 +268,7 @@ TEST(Rivals, AnAmbientCubeIsTheBestOfItsKind) {
             }
         }
         // What the light and the sky get from these faces.
-        const Receiver receiver = toReceiver({}, params, point.normal);
+        const AperturaReceiver receiver = toReceiver({}, params, point.normal);
         const auto face = [&](const glm::dvec3& w) {
             double v = 0;
             for (int i = 0; i < 3; ++i) v += w[i] * w[i] * double(faces[w[i] < 0 ? 3 + i : i]);
@@ -275,14 +276,14 @@ TEST(Rivals, AnAmbientCubeIsTheBestOfItsKind) {
         };
         double sky = 0;
         for (const glm::dvec3& w : sphere()) sky += std::max(glm::dot(w, region.normal), 0.0) * face(w) * solidAngle();
-        EXPECT_NEAR(skyIrradiance(MODEL_CUBE_6, receiver), sky, 1e-3);
+        EXPECT_NEAR(aperturaSkyIrradiance(APERTURA_MODEL_CUBE_6, receiver), sky, 1e-3);
         for (int k = 0; k < 20; ++k) {
             const glm::dvec3 towards = random.direction();
             if (glm::dot(towards, region.normal) < 0.1) continue;
             for (const double radius : {0.005, 0.09, 0.26}) {
                 const Disc disc(towards, radius);
-                const CapLight light = capLight(towards, radius);
-                const float e = irradianceThrough(MODEL_CUBE_6, receiver, light, lightClassOf(light.sinRadius));
+                const AperturaCapLight light = aperturaCapLight(towards, radius);
+                const float e = aperturaIrradianceThrough(APERTURA_MODEL_CUBE_6, receiver, light, lightClassOf(light.sinRadius));
                 EXPECT_NEAR(normalised(e, radius), open(region, disc) * clamped(disc.mean(face)), 0.03);
             }
         }
@@ -300,13 +301,14 @@ TEST(Rivals, OverAnOpenPlaneAllGiveAllOfTheLight) {
         samplePoints(plane, {&point, 1}, tools.lattice, 1, 1, {},
                      [&](size_t, const Samples& s, const mat3& frame) { baked = makePoint(recipeFor(model), tools, s, frame, {}); });
         const ModelParams* stored = model.isStored() ? &baked.params : nullptr;
-        const Receiver receiver = toReceiver(baked.visibility, toParams(model, baked.visibility, stored, point.normal), point.normal);
+        const AperturaReceiver receiver = toReceiver(baked.visibility, toParams(model, baked.visibility, stored, point.normal),
+                                                     point.normal);
         for (const double elevation : {0.02, 0.1, 0.5, 1.5})
             for (const double radius : {0.005, 0.09, 0.5}) {
                 const glm::dmat3 frame = frameAbout(plane.normal);
                 const glm::dvec3 towards = frame * glm::dvec3(std::cos(elevation), 0, std::sin(elevation));
-                const CapLight light = capLight(towards, radius);
-                const float e = irradianceThrough(model.id, receiver, light, lightClassOf(light.sinRadius));
+                const AperturaCapLight light = aperturaCapLight(towards, radius);
+                const float e = aperturaIrradianceThrough(model.id, receiver, light, lightClassOf(light.sinRadius));
                 EXPECT_NEAR(normalised(e, radius), exactFraction(plane.normal, {{towards, radius}}, radius), 0.02)
                     << name << ", " << elevation << ", " << radius;
             }
@@ -337,7 +339,7 @@ TEST(Rivals, AHorizonIsFoundWhereItIs) {
         const double turn = 2 * pi * i / 32;
         const glm::dvec3 out = std::cos(turn) * frame[0] + std::sin(turn) * frame[1];
         const double rise = std::max(1.5 * out.x, 0.0);
-        EXPECT_NEAR(horizonHeight(toReceiver({}, baked.params, point.normal), 32, i), rise / std::sqrt(1 + rise * rise), 1e-3) << i;
+        EXPECT_NEAR(aperturaHorizonHeight(toReceiver({}, baked.params, point.normal), 32, i), rise / std::sqrt(1 + rise * rise), 1e-3) << i;
     }
 }
 

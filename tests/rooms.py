@@ -1,6 +1,6 @@
 """Checks that the rooms of the house see each other only along the arrows.
 
-    rooms.py BUILD [--without FOLDER]     BUILD: a build folder of Ninja's. FOLDER: where to build what needs neither Embree nor Vulkan
+    rooms.py BUILD [--without FOLDER]     BUILD: a build folder of Ninja's. FOLDER: where to build sh and asset alone
 
 For each room: everything that its sources include lies in the rooms that it may see, of outside libraries it knows neither Embree nor
 Vulkan but where it may, and a source that includes a header against the arrows does not compile.
@@ -19,7 +19,7 @@ ROOMS = {
     "asset": ("runtime/asset", {"runtime/asset", "sh", "shaders"}, set()),
     "directions": ("bake/sampling", {"bake/sampling", "sh", "shaders"}, set()),
     "scene": ("bake/scene", {"bake/scene", "bake/sampling", "runtime/asset", "sh", "shaders"}, set()),
-    "render": ("runtime/render", {"runtime/render", "runtime/asset", "sh", "shaders"}, {"vulkan"}),
+    "renderer": ("runtime/render", {"runtime/render", "runtime/asset", "sh", "shaders"}, {"vulkan"}),
     "sampling": ("bake/sampling", {"bake/sampling", "runtime/asset", "sh", "shaders"}, {"embree"}),
     "fit": ("bake/fit", {"bake/fit", "bake/sampling", "runtime/asset", "sh", "shaders"}, set()),
     "measure": ("bake/measure", {"bake/measure", "bake/fit", "bake/scene", "bake/sampling", "runtime/asset", "sh", "shaders"}, set()),
@@ -54,7 +54,7 @@ def main():
     commands = subprocess.run(["ninja", "-C", build, "-t", "commands"], check=True, capture_output=True, text=True).stdout.split("\n")
     wrong = []
     for room, (folder, sees, libraries) in ROOMS.items():
-        objects = {o: d for o, d in made.items() if f"/{room}.dir/" in o and (build / o).exists()}
+        objects = {o: d for o, d in made.items() if f"/apertura_{room}.dir/" in o and (build / o).exists()}
         if not objects:
             wrong.append(f"{room}: nothing of it is built")
         for o, files in objects.items():
@@ -68,7 +68,7 @@ def main():
                     if outside and re.search(f"/{library}[0-9]*/", str(path)):
                         wrong.append(f"{room}: {o} includes {file}")
         # A source against the arrows, compiled as the room's own are.
-        command = next(c for c in commands if f"/{room}.dir/" in c and " -c " in c)
+        command = next(c for c in commands if f"/apertura_{room}.dir/" in c and " -c " in c)
         words = shlex.split(command)
         flags = [w for w in words[1:] if re.match("-I|-isystem|-std|-D", w) or w.startswith("/usr/include")]
         for other in FOLDERS:
@@ -77,14 +77,14 @@ def main():
                 continue
             with tempfile.TemporaryDirectory() as place:
                 text = pathlib.Path(place) / "against.cpp"
-                text.write_text(f'#include "{other}/{header.name}"\n')
+                text.write_text(f'#include "apertura/{other}/{header.name}"\n')
                 tried = subprocess.run([words[0], *flags, "-fsyntax-only", text], cwd=build, capture_output=True, text=True)
-                if tried.returncode == 0 or f"{other}/{header.name}: No such file" not in tried.stderr and "file not found" not in tried.stderr:
+                if tried.returncode == 0 or f"apertura/{other}/{header.name}: No such file" not in tried.stderr and "file not found" not in tried.stderr:
                     wrong.append(f"{room}: may include {other}/{header.name}")
     if len(sys.argv) > 3:
         apart = sys.argv[3]
         subprocess.run(["cmake", "-S", SOURCE, "-B", apart, "-G", "Ninja", "--no-warn-unused-cli", "-DAPERTURA_BAKE=OFF", "-DAPERTURA_RENDER=OFF",
-                        *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{p}=ON" for p in ("Vulkan", "embree", "TBB"))], check=True, stdout=subprocess.DEVNULL)
+                        *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{p}=ON" for p in ("Vulkan", "embree", "TBB", "assimp", "TIFF", "Eigen3", "CLI11", "GTest"))], check=True, stdout=subprocess.DEVNULL)
         subprocess.run(["ninja", "-C", apart], check=True, stdout=subprocess.DEVNULL)
     print("\n".join(wrong) if wrong else f"{len(ROOMS)} rooms, no include against the arrows")
     sys.exit(bool(wrong))

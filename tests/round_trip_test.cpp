@@ -2,14 +2,14 @@
 #include <algorithm>
 #include <cctype>
 
-#include "bake/fit/bake.h"
-#include "bake/measure/measure.h"
-#include "bake/scene/load.h"
-#include "runtime/asset/asset.h"
-#include "runtime/asset/file.h"
-#include "runtime/asset/gltf.h"
-#include "runtime/asset/gltf_document.h"
-#include "runtime/asset/view.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/measure.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/gltf.h"
+#include "apertura/runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/view.h"
 #include "tests/gltf_text.h"
 #include "tests/support.h"
 
@@ -271,7 +271,7 @@ TEST(RoundTrip, BakingAgainReplaces) {
     const std::string first = jsonOf(folder / "o.glb").dump();
     EXPECT_EQ(bake(folder / "o.glb", "sh", 8), once);
     EXPECT_EQ(jsonOf(folder / "o.glb").dump(), first);
-    EXPECT_EQ(readAsset(folder / "o.glb").seen[0].visibility.size(), 4u);
+    EXPECT_EQ(loadAsset(folder / "o.glb").seen[0].visibility.size(), 4u);
 }
 
 TEST(RoundTrip, CompressedBytesGoOnceTheyAreDecoded) {

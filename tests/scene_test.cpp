@@ -1,10 +1,10 @@
 // Scenes from files: what the readers accept and what they refuse.
-#include "bake/fit/bake.h"
-#include "bake/scene/load.h"
-#include "runtime/asset/asset.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/gltf.h"
-#include "runtime/asset/gltf_document.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/gltf.h"
+#include "apertura/runtime/asset/gltf_document.h"
 #include "tests/gltf_text.h"
 #include "tests/support.h"
 
@@ -164,7 +164,7 @@ TEST(Asset, KeepsContentAndGivesEachInstanceItsOwn) {
         info.seed = 4000000000u;
         const std::string out = folder / "out.glb";
         writeAsset(out, scene, given, info);
-        const Asset back = readAsset(out);
+        const Asset back = loadAsset(out);
         EXPECT_EQ(back.info.seed, 4000000000u);
         EXPECT_EQ(back.info.bits, bits);
         ASSERT_EQ(back.seen.size(), 2u);
@@ -213,8 +213,8 @@ TEST(Asset, TruncatedOrWithoutVisibilityIsRefused) {
         bytes.assign(std::istreambuf_iterator<char>(in), {});
     }
     for (size_t size : {size_t(0), size_t(3), size_t(12), size_t(19), bytes.size() / 2, bytes.size() - 1})
-        EXPECT_THROW(readAsset(folder.write("cut.glb", bytes.substr(0, size))), Error) << size;
-    EXPECT_THROW(readAsset(folder / "a.gltf"), Error);
+        EXPECT_THROW(loadAsset(folder.write("cut.glb", bytes.substr(0, size))), Error) << size;
+    EXPECT_THROW(loadAsset(folder / "a.gltf"), Error);
     EXPECT_THROW(writeAsset(folder / "no/where.glb", scene, {{std::vector<Visibility>(4), {}}}, {}), Error);
 }
 
@@ -226,7 +226,7 @@ TEST(Asset, RefusesWhatIsNoVisibilityOrNoBuffer) {
     const std::string views = std::string(kView) + R"(,{"buffer":0,"byteOffset":48,"byteLength":64})";
     const std::string accessors = std::string(kVec3) + R"(,{"bufferView":1,"componentType":5126,"type":"VEC4","count":4})";
     EXPECT_THROW(
-        readAsset(folder.write("f.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"_VISIBILITY":1},"mode":6})"))),
+        loadAsset(folder.write("f.gltf", gltf(data, views, accessors, R"({"attributes":{"POSITION":0,"_VISIBILITY":1},"mode":6})"))),
         Error);
     // An unused view of a buffer that does not exist.
     EXPECT_THROW(readGltf(folder.write("b.gltf", gltf(kSquare, std::string(kView) + R"(,{"buffer":100000000,"byteLength":4})", kVec3,

@@ -1,8 +1,8 @@
-#include "sh/sh4.h"
+#include "apertura/sh/sh4.h"
 
 #include <cstring>
 
-#include "sh/packing.h"
+#include "apertura/sh/packing.h"
 #include "tests/support.h"
 
 namespace apertura::test {

@@ -1,11 +1,11 @@
-#include "sh/soft.h"
-#include "bake/fit/bake.h"
-#include "bake/measure/truth.h"
+#include "apertura/sh/soft.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/truth.h"
 
-#include "bake/sampling/surface_points.h"
-#include "bake/scene/load.h"
-#include "sh/models.h"
-#include "sh/soft_solve.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/sh/models.h"
+#include "apertura/sh/soft_solve.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -73,14 +73,15 @@ TEST(Soft, TableIsWithinThreeThousandthsOfTheFullSolve) {
             const SoftSolution s = solveSoft({v.area, dn, length(across)});
             if (!(std::hypot(s.n, s.t) < 1e3)) continue;  // a hard edge has no soft solution
             const vec3 side = length(across) > 0 ? normalize(across) : vec3(0);
-            const SoftAperture full{float(s.n) * n + float(s.t) * side, float(s.offset)}, table = toSoft(v, n);
+            const AperturaSoftAperture full{float(s.n) * n + float(s.t) * side, float(s.offset)}, table = toSoft(v, n);
             for (int k = 0; k < 40; ++k) {
                 dvec3 l = random.direction();
                 if (dot(l, dvec3(n)) < 0) l = -l;
                 const double r = 0.27 * std::pow(45 / 0.27, random()) * pi / 180;
-                const CapLight light = capLight(l, r);
-                const double e = normalised(
-                    irradianceThroughSoft(n, table, light, LIGHTS_ANY) - irradianceThroughSoft(n, full, light, LIGHTS_ANY), r);
+                const AperturaCapLight light = aperturaCapLight(l, r);
+                const double e = normalised(aperturaIrradianceThroughSoft(n, table, light, APERTURA_LIGHTS_ANY)
+                                                - aperturaIrradianceThroughSoft(n, full, light, APERTURA_LIGHTS_ANY),
+                                            r);
                 sum += e * e;
                 ++count;
             }
@@ -106,7 +107,7 @@ TEST(Soft, CapsAsSoftAsTheyAreDrawnKeepTheirArea) {
                                              : Visibility{float(pi) * n - direction, float(2 * pi - area)};
             const vec4 lobe = toParams(soft, v, nullptr, n)[0];
             EXPECT_LE(length(vec3(lobe)) + std::abs(lobe.w), 250.01f) << open;
-            const SoftAperture solved = toSoft(v, n);
+            const AperturaSoftAperture solved = toSoft(v, n);
             const double before = overHemisphere(n, dvec3(solved.slope), solved.offset).area,
                          after = overHemisphere(n, dvec3(vec3(lobe)), lobe.w).area;
             const double smaller = std::min(before, 2 * pi - before);
@@ -126,7 +127,7 @@ TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
         dvec3 d = random.direction();
         d.z = std::abs(d.z);
         const Visibility v{vec3(d * area * (1 - area / (4 * pi)) * std::sqrt(random())), float(area)};
-        const SoftAperture soft = toSoft(v, vec3(n));
+        const AperturaSoftAperture soft = toSoft(v, vec3(n));
         dvec3 axis = random.direction();
         axis.z = std::abs(axis.z) - 0.1;
         axis = normalize(axis);
@@ -141,16 +142,19 @@ TEST(Soft, LightIsTheIntegralOfTheModelOverIt) {
                 e += std::max(l.z, 0.0) * softStepExact(f);
             }
         e *= 2 * pi * height / (rings * turns) / (pi * std::sin(r) * std::sin(r));
-        const double error = normalised(irradianceThroughSoft(vec3(n), soft, capLight(axis, r), LIGHTS_ANY), r) - e;
+        const double error = normalised(aperturaIrradianceThroughSoft(vec3(n), soft, aperturaCapLight(axis, r), APERTURA_LIGHTS_ANY), r)
+                           - e;
         sum += error * error;
         worst = std::max(worst, std::abs(error));
         const int lightClass = lightClassOf(float(std::sin(r)));
-        classSum[lightClass] += std::pow(normalised(irradianceThroughSoft(vec3(n), soft, capLight(axis, r), lightClass), r) - e, 2);
+        classSum[lightClass] += std::pow(
+            normalised(aperturaIrradianceThroughSoft(vec3(n), soft, aperturaCapLight(axis, r), lightClass), r) - e, 2);
         ++classCount[lightClass];
     }
     std::printf("soft light against brute force: rms %.4f max %.4f\n", std::sqrt(sum / trials), worst);
     EXPECT_LE(std::sqrt(sum / trials), 0.010);
-    for (const auto& [lightClass, most] : {std::pair(LIGHTS_SUN, 0.010), std::pair(LIGHTS_SMALL, 0.008), std::pair(LIGHTS_MEDIUM, 0.017)}) {
+    for (const auto& [lightClass, most] :
+         {std::pair(APERTURA_LIGHTS_SUN, 0.010), std::pair(APERTURA_LIGHTS_SMALL, 0.008), std::pair(APERTURA_LIGHTS_MEDIUM, 0.017)}) {
         std::printf("  lights of class %d: rms %.4f\n", lightClass, std::sqrt(classSum[lightClass] / classCount[lightClass]));
         EXPECT_LE(std::sqrt(classSum[lightClass] / classCount[lightClass]), most);
     }
@@ -168,7 +172,7 @@ TEST(Lobes, LightThroughTwoIsTheIntegralOfTheirProduct) {
         const dvec3 axis(std::sqrt(1 - z * z), 0, z), u = normalize(cross(axis, dvec3(0.3, 0.5, 0.81))), w = cross(axis, u);
         dvec3 slopes[2]{random.direction(), random.direction()};
         if (i % 2) slopes[1] = normalize((random() < 0.5 ? 1.0 : -1.0) * slopes[0] + 0.3 * slopes[1]);
-        Receiver receiver{vec3(n), vec4(float(pi) * vec3(n), float(2 * pi)), {}};
+        AperturaReceiver receiver{vec3(n), vec4(float(pi) * vec3(n), float(2 * pi)), {}};
         double offsets[2];
         for (int k = 0; k < 2; ++k) {
             slopes[k] *= 3 * std::pow(80, random());
@@ -184,9 +188,9 @@ TEST(Lobes, LightThroughTwoIsTheIntegralOfTheirProduct) {
                 const double first = softStepExact(offsets[0] + dot(slopes[0], l)), second = softStepExact(offsets[1] + dot(slopes[1], l));
                 all += l.z, both += l.z * first * second, each[0] += l.z * first, each[1] += l.z * second;
             }
-        const CapLight light = capLight(axis, r);
-        const double e = irradianceThrough(MODEL_FIRM_2, receiver, light, lightClassOf(light.sinRadius))
-                       / unoccludedIrradiance(vec3(n), light, LIGHTS_ANY);
+        const AperturaCapLight light = aperturaCapLight(axis, r);
+        const double e = aperturaIrradianceThrough(APERTURA_MODEL_FIRM_2, receiver, light, lightClassOf(light.sinRadius))
+                       / aperturaUnoccludedIrradiance(vec3(n), light, APERTURA_LIGHTS_ANY);
         sum += std::pow(e - both / all, 2);
         plain += std::pow((each[0] * each[1] / all - both) / all, 2);
     }
@@ -199,21 +203,21 @@ TEST(Lobes, LightThroughTwoIsTheIntegralOfTheirProduct) {
 TEST(Lobes, TheSameTwiceIsOne) {
     Random random(62);
     for (int i = 0; i < 1000; ++i) {
-        Receiver receiver{vec3(0, 0, 1), vec4(0, 0, float(pi), float(2 * pi)), {}};
+        AperturaReceiver receiver{vec3(0, 0, 1), vec4(0, 0, float(pi), float(2 * pi)), {}};
         const float sharp = float(random(150, 240));  // for soft steps the square of one is not the step itself
         for (int k = 0; k < 4; ++k) receiver.params[k] = vec4(sharp * vec3(0, 1, 0), 0.0f);
         receiver.params[4] = vec4(0);
         const double r = random(5, 10) * pi / 180;
-        const CapLight light = capLight(normalize(dvec3(0.2, random(-0.15, 0.15), 1)), r);
+        const AperturaCapLight light = aperturaCapLight(normalize(dvec3(0.2, random(-0.15, 0.15), 1)), r);
         const int lightClass = lightClassOf(light.sinRadius);
-        Receiver two = receiver, three = receiver, one = receiver;
+        AperturaReceiver two = receiver, three = receiver, one = receiver;
         two.params[2] = three.params[3] = vec4(0);
         one.params[1] = vec4(0, 0, 0, 1000);  // the other lobe is fully open
         one.params[2] = vec4(0);
-        const double single = irradianceThrough(MODEL_FIRM_2, one, light, lightClass) / light.area;
-        EXPECT_NEAR(irradianceThrough(MODEL_FIRM_2, two, light, lightClass) / light.area, single, 0.02);
-        EXPECT_NEAR(irradianceThrough(MODEL_FIRM_3, three, light, lightClass) / light.area, single, 0.04);
-        EXPECT_NEAR(irradianceThrough(MODEL_FIRM_4, receiver, light, lightClass) / light.area, single, 0.06);
+        const double single = aperturaIrradianceThrough(APERTURA_MODEL_FIRM_2, one, light, lightClass) / light.area;
+        EXPECT_NEAR(aperturaIrradianceThrough(APERTURA_MODEL_FIRM_2, two, light, lightClass) / light.area, single, 0.02);
+        EXPECT_NEAR(aperturaIrradianceThrough(APERTURA_MODEL_FIRM_3, three, light, lightClass) / light.area, single, 0.04);
+        EXPECT_NEAR(aperturaIrradianceThrough(APERTURA_MODEL_FIRM_4, receiver, light, lightClass) / light.area, single, 0.06);
     }
 }
 
@@ -223,20 +227,20 @@ TEST(Soft, IsFiniteAndInRangeForAnything) {
         const double area = std::pow(10, random(-8, 1)) * (random() < 0.05 ? 0 : 1);
         const vec3 n(normalize(random.direction()));
         const Visibility v{vec3(random.direction() * area * random(0, 1.5)), float(area)};
-        const SoftAperture soft = toSoft(v, n);
-        const CapLight light = capLight(random.direction(), random(1e-4, pi / 2));
-        const float e = irradianceThroughSoft(n, soft, light, LIGHTS_ANY);
+        const AperturaSoftAperture soft = toSoft(v, n);
+        const AperturaCapLight light = aperturaCapLight(random.direction(), random(1e-4, pi / 2));
+        const float e = aperturaIrradianceThroughSoft(n, soft, light, APERTURA_LIGHTS_ANY);
         ASSERT_TRUE(std::isfinite(soft.offset) && std::isfinite(length(soft.slope)));
-        ASSERT_TRUE(e >= 0 && e <= 1.001f * irradianceAboveHorizon(n, light) + 1e-12f);
+        ASSERT_TRUE(e >= 0 && e <= 1.001f * aperturaIrradianceAboveHorizon(n, light) + 1e-12f);
     }
 }
 
 TEST(Soft, OfAnEvenHazeIsTheHaze) {
     const vec3 n(0, 1, 0);
-    const SoftAperture soft = toSoft({float(pi) * 0.3f * n, float(2 * pi) * 0.3f}, n);
+    const AperturaSoftAperture soft = toSoft({float(pi) * 0.3f * n, float(2 * pi) * 0.3f}, n);
     EXPECT_LT(length(soft.slope), 0.02f);
-    const CapLight light = capLight(normalize(dvec3(1, 1, 0)), 0.1);
-    EXPECT_NEAR(irradianceThroughSoft(n, soft, light, LIGHTS_ANY) / irradianceAboveHorizon(n, light), 0.3, 0.003);
+    const AperturaCapLight light = aperturaCapLight(normalize(dvec3(1, 1, 0)), 0.1);
+    EXPECT_NEAR(aperturaIrradianceThroughSoft(n, soft, light, APERTURA_LIGHTS_ANY) / aperturaIrradianceAboveHorizon(n, light), 0.3, 0.003);
 }
 
 }  // namespace

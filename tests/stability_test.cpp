@@ -1,14 +1,14 @@
 // Where models break: singular configurations, hostile numbers, every packed value, and lights that cross the scenes.
-#include "bake/measure/fuzz.h"
+#include "apertura/bake/measure/fuzz.h"
 
 #include <cstdlib>
 #include <map>
 
-#include "bake/measure/scene_steps.h"
-#include "bake/measure/storage_errors.h"
-#include "bake/scene/builtin.h"
-#include "runtime/render/renderer.h"
-#include "sh/packing.h"
+#include "apertura/bake/measure/scene_steps.h"
+#include "apertura/bake/measure/storage_errors.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/runtime/render/renderer.h"
+#include "apertura/sh/packing.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -31,7 +31,7 @@ TEST(Stability, NoInputGivesWhatIsNotANumberOrTooMuchLight) {
     const uint64_t inputs = std::max(uint64_t(100000), uint64_t(exhaustive() * 1e9 / 15));
     for (const Model& model : models()) {
         const FuzzCount count = countFuzz(model, 1, inputs);
-        if (model.id == MODEL_OAT) {
+        if (model.id == APERTURA_MODEL_OAT) {
             EXPECT_GT(count.notFinite, 0u) << "the published formula is not a number where the axes are opposite";
         } else {
             EXPECT_EQ(count.notFinite, 0u) << model.name;
@@ -85,8 +85,9 @@ TEST(Stability, AperturesKeepToTheExactOverlapInEverySweep) {
     for (const Sweep& sweep : singularSweeps()) {
         if (sweep.name == "axis of no length") continue;  // at length 0 the normal replaces the axis
         for (const Model& model : models()) {
-            const bool apertures = model.id == MODEL_APERTURE || model.id == MODEL_ALPHA || model.id == MODEL_ANTI;
-            if (!apertures && model.id != MODEL_OAT) continue;
+            const bool apertures = model.id == APERTURA_MODEL_APERTURE || model.id == APERTURA_MODEL_ALPHA
+                                || model.id == APERTURA_MODEL_ANTI;
+            if (!apertures && model.id != APERTURA_MODEL_OAT) continue;
             const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);
             if (!apertures) {
                 oat = std::max(oat, row.error);
@@ -109,7 +110,7 @@ TEST(Stability, SweepsEveryModel) {
         sweep.frames.push_back(
             {.aperture = tilted(0), .apertureRadius = pi / 4, .light = tilted(degrees * pi / 180), .lightRadius = 0.005});
     for (const Model& model : models()) {
-        if (model.id == MODEL_UNSHADOWED) continue;
+        if (model.id == APERTURA_MODEL_UNSHADOWED) continue;
         const StabilityRow row = measureSweep(sweepModel(model, tools, sweep), sweep, nullptr);
         EXPECT_EQ(row.frames, 3) << model.name;
         EXPECT_EQ(row.notFinite, 0) << model.name;
@@ -126,7 +127,7 @@ TEST(Stability, NoScenesLightStepsFurtherThanItsRimSweeps) {
                                                {"firm-3", 1.04}, {"multi-3", 1.25}, {"multi-4", 1.25}};
     std::vector<const Model*> asked;
     for (const Model& model : models())
-        if (!model.baseline || model.id == MODEL_OAT) asked.push_back(&model);
+        if (!model.baseline || model.id == APERTURA_MODEL_OAT) asked.push_back(&model);
     double oat = 0;
     for (const std::string& scene : builtinNames())
         for (const SceneSteps& s : measureSceneSteps(makeBuiltin(scene), asked, 6, 256, 1, {0.27, 1, 5, 15, 30}, {})) {
@@ -160,7 +161,7 @@ TEST(Stability, WhatIsMixedStaysBetweenItsEndsForASun) {
     for (const Model& model : models()) {
         if (model.mixes && model.fromVisibility && !model.baseline) expected += 8 * 4;  // 8 pairs, 4 radii
         for (const MixingError& e : mixingErrors(model)) {
-            if (model.id == MODEL_OAT) oat = std::max(oat, e.above);
+            if (model.id == APERTURA_MODEL_OAT) oat = std::max(oat, e.above);
             if (model.baseline) continue;
             ++mixed;
             if (e.lightRadius > 1) continue;  // the mix lies between the two in each direction; its mean over a larger light need not
@@ -198,10 +199,10 @@ TEST(Stability, EveryPackedValueIsPossible) {
         Packed8 bytes;
         for (int8_t& b : bytes) b = int8_t(random(-128, 127.99));
         const Visibility v = unpack(bytes);
-        const CapLight light = capLight(random.direction(), 0.7 * random());
+        const AperturaCapLight light = aperturaCapLight(random.direction(), 0.7 * random());
         for (const Model& model : models()) {
-            if (!model.fromVisibility || model.id == MODEL_OAT) continue;
-            const float e = irradianceThrough(model.id, toReceiver(model, v, up), light, lightClassOf(light.sinRadius));
+            if (!model.fromVisibility || model.id == APERTURA_MODEL_OAT) continue;
+            const float e = aperturaIrradianceThrough(model.id, toReceiver(model, v, up), light, lightClassOf(light.sinRadius));
             ASSERT_TRUE(e >= -1e-6f && e <= 1.016f * light.area)
                 << model.name << " " << int(bytes[0]) << " " << int(bytes[1]) << " " << int(bytes[2]) << " " << int(bytes[3]);
         }

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "sh/cap_reference.h"
-#include "sh/shading.h"
+#include "apertura/sh/cap_reference.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura::test {
 
@@ -46,11 +46,13 @@ inline std::vector<glm::dvec3> sphereLattice(int n) {
     return out;
 }
 
-inline CapLight capLight(const glm::dvec3& axis, double radius) { return apertura::capLight(vec3(axis), float(std::sin(radius))); }
+inline AperturaCapLight aperturaCapLight(const glm::dvec3& axis, double radius) {
+    return apertura::aperturaCapLight(vec3(axis), float(std::sin(radius)));
+}
 
-inline Aperture capAperture(const glm::dvec3& axis, double radius) {
+inline AperturaAperture capAperture(const glm::dvec3& axis, double radius) {
     const double half = std::sin(radius / 2);
-    return makeAperture(vec3(axis), float(2 * half * half));
+    return aperturaMakeAperture(vec3(axis), float(2 * half * half));
 }
 
 // E / (L pi sin^2 r) of a cap light of unit radiance: from a float32 result, and exactly, through caps above the horizon.

@@ -1,18 +1,18 @@
 // Visibility in images: where texels lie, what is fitted to them, how an asset holds them, and what is drawn and measured of them.
-#include "bake/fit/texels.h"
+#include "apertura/bake/fit/texels.h"
 
 #include <map>
 #include <set>
 
-#include "bake/measure/measure.h"
-#include "bake/scene/builtin.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/gltf.h"
-#include "runtime/asset/png.h"
-#include "runtime/asset/receiver.h"
-#include "runtime/asset/texels.h"
-#include "runtime/render/geometry.h"
-#include "runtime/render/renderer.h"
+#include "apertura/bake/measure/measure.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/gltf.h"
+#include "apertura/runtime/asset/png.h"
+#include "apertura/runtime/asset/receiver.h"
+#include "apertura/runtime/asset/texels.h"
+#include "apertura/runtime/render/geometry.h"
+#include "apertura/runtime/render/renderer.h"
 #include "tests/box_over_seam.h"
 #include "tests/changed_gltf.h"
 #include "tests/support.h"
@@ -52,7 +52,7 @@ TEST(TexelCell, InterpolatesWhatIsLinearInTheImage) {
     for (const auto& [w, h] : {std::pair(1, 1), {2, 1}, {1, 3}, {7, 5}})
         for (int k = 0; k < 1000; ++k) {
             const glm::vec2 place(random(-1, w), random(-1, h));
-            const TexelCell cell = texelCellAt(place, w, h);
+            const AperturaTexelCell cell = aperturaTexelCellAt(place, w, h);
             glm::vec3 sum(0);
             for (int c = 0; c < 4; ++c) {
                 ASSERT_TRUE(cell.texels[c] >= 0 && cell.texels[c] < w * h && cell.weights[c] >= 0);
@@ -78,7 +78,7 @@ TEST(TexelMap, DrawnTexelsAreThoseThatFilteringReads) {
         std::set<int> read;
         for (int k = 0; k < 40000; ++k) {
             const double root = std::sqrt(random()), s = random();
-            const TexelCell cell = texelCell(surface, 0, glm::vec3(1 - root, root * (1 - s), root * s), w, h);
+            const AperturaTexelCell cell = texelCell(surface, 0, glm::vec3(1 - root, root * (1 - s), root * s), w, h);
             for (int c = 0; c < 4; ++c)
                 if (cell.weights[c] > 0) read.insert(cell.texels[c]);
         }
@@ -160,7 +160,7 @@ TEST(BakeTexels, ErrAsSamplesOnFacesDoForTheSameBytes) {
         BakeInfo info;
         info.at = at == At::Texels ? "texels" : "faces";
         writeAsset(folder / "a.glb", scene, bakeScene(scene, Tracer(scene), options), info);
-        return std::pair(measureAsset(readAsset(folder / "a.glb"), softAt(900)).rows[0],
+        return std::pair(measureAsset(loadAsset(folder / "a.glb"), softAt(900)).rows[0],
                          double(std::filesystem::file_size(folder / "a.glb") - std::filesystem::file_size(given)));
     };
     const auto [faces, faceBytes] = measured(At::Faces);
@@ -212,7 +212,7 @@ TEST(BakeTexels, ErrLittleMoreThanVerticesOnAStatueOfSixCharts) {
         BakeInfo info;
         info.at = at == At::Texels ? "texels" : "faces";
         writeAsset(folder / "a.glb", scene, bakeScene(scene, Tracer(scene), options), info);
-        const Asset asset = readAsset(folder / "a.glb");
+        const Asset asset = loadAsset(folder / "a.glb");
         double bytes = double(visibilityBytes(asset));
         if (at == At::Texels) bytes = double(encodePng(visibilityImage(asset.seen[0].texels, glm::mat3(1), 8)).size());
         return std::pair(measureAsset(asset, softAt(900)).rows[0], bytes);
@@ -245,7 +245,7 @@ TEST(TexelImages, ComeBackFromTheFileAndAreReplaced) {
             }
         }
         writeAsset(folder / "a.glb", scene, asset.seen, asset.info);
-        const Asset back = readAsset(folder / "a.glb");
+        const Asset back = loadAsset(folder / "a.glb");
         EXPECT_EQ(back.info.at, "texels");
         EXPECT_EQ(back.info.bits, bits);
         EXPECT_EQ(visibilityBytes(back), visibilityBytes(asset));
@@ -266,7 +266,7 @@ TEST(TexelImages, ComeBackFromTheFileAndAreReplaced) {
         writeAsset(folder / "c.glb", back.scene, plain, {});
         const Scene last = readGltf(folder / "c.glb");
         for (const char* list : {"images", "textures", "samplers"}) EXPECT_FALSE(last.document->json.contains(list)) << list;
-        EXPECT_FALSE(hasTexels(readAsset(folder / "c.glb")));
+        EXPECT_FALSE(hasTexels(loadAsset(folder / "c.glb")));
     }
 }
 
@@ -283,7 +283,7 @@ TEST(TexelImages, ThatLieAreRefused) {
     writeAsset(folder / "a.glb", scene, seen, info);
     const auto refused = [&](const std::function<void(Json&)>& change, const char* cause) {
         const std::string path = changed(folder, folder / "a.glb", change);
-        const std::string said = refusalOf([&] { readAsset(path); });
+        const std::string said = refusalOf([&] { loadAsset(path); });
         EXPECT_NE(said.find(path), std::string::npos) << said;
         EXPECT_NE(said.find(cause), std::string::npos) << said;
     };
@@ -335,7 +335,7 @@ TEST(TexelImages, ThatWereDamagedAreBakedOver) {
     EXPECT_EQ(used["textures"].size(), 2u);
     EXPECT_EQ(used["samplers"].size(), 1u);
     // Another set of coordinates changes nothing: the image names its own.
-    const Asset added = readAsset(changed(folder, folder / "a.glb", [](Json& json) {
+    const Asset added = loadAsset(changed(folder, folder / "a.glb", [](Json& json) {
         for (Json& mesh : json["meshes"]) {
             Json& attributes = mesh["primitives"][0]["attributes"];
             attributes["TEXCOORD_1"] = attributes["TEXCOORD_0"];
@@ -343,7 +343,7 @@ TEST(TexelImages, ThatWereDamagedAreBakedOver) {
     }));
     EXPECT_EQ(added.scene.surfaces[0].coordinateSet, 0);
     // An instance without its image goes by its vertices, and the file says so.
-    const Asset one = readAsset(changed(folder, folder / "a.glb", [&](Json& json) { texels(json).erase(1); }));
+    const Asset one = loadAsset(changed(folder, folder / "a.glb", [&](Json& json) { texels(json).erase(1); }));
     EXPECT_EQ(one.scene.notes.size(), 1u);
     EXPECT_TRUE(one.seen[1].texels.visibility.empty());
 }
@@ -445,7 +445,7 @@ TEST(TexelImages, AreConvertedAboutWhatTheyLookAlong) {
         view.lights = {directionalLight({0.7f, 0.5f, 0.1f}, 0.1, glm::vec3(2))};
         const Model& soft = *findModel("soft");
         const auto [weight, receiver] = receiverAt(asset, soft, 0, 0, glm::vec3(1 / 3.0f), floor.normals[0])[0];
-        const float e = irradianceThrough(soft.id, receiver, view.lights[0].cap, lightClassOf(view));
+        const float e = aperturaIrradianceThrough(soft.id, receiver, view.lights[0].cap, lightClassOf(view));
         const Picture drawn = Renderer(gpu, asset).draw(view, soft);
         EXPECT_NEAR(drawn.pixels[27].g, view.albedo.g / float(pi) * 2 * e, 1e-4 * e) << lean;
         EXPECT_GT(e, 0.002) << lean;
@@ -465,9 +465,9 @@ TEST(TexelMips, KeepTheMeanAndWhatIsLinear) {
         size_t all = 0;
         int level = 0;
         for (SeenOnTexels mip = image;; mip = halved(mip), ++level) {
-            EXPECT_EQ(mip.width, mipSize(w, level));
-            EXPECT_EQ(mip.height, mipSize(h, level));
-            EXPECT_EQ(int(all), firstOfMip(w, h, level));
+            EXPECT_EQ(mip.width, aperturaMipSize(w, level));
+            EXPECT_EQ(mip.height, aperturaMipSize(h, level));
+            EXPECT_EQ(int(all), aperturaFirstOfMip(w, h, level));
             all += mip.visibility.size();
             double sum = 0;
             for (size_t k = 0; k < mip.visibility.size(); ++k) {
@@ -481,7 +481,7 @@ TEST(TexelMips, KeepTheMeanAndWhatIsLinear) {
             if (mip.visibility.size() == 1) break;
         }
         EXPECT_EQ(all, texelsWithMips(w, h));
-        EXPECT_EQ(level + 1, mipCount(w, h));
+        EXPECT_EQ(level + 1, aperturaMipCount(w, h));
     }
 }
 
@@ -492,10 +492,11 @@ TEST(TexelMips, FootprintsCoverThePixel) {
         const glm::vec2 along(glm::dvec2(std::cos(trial), std::sin(trial))), beside(-along.y, along.x);
         const glm::vec2 longer = length * along, shorter = length / ratio * beside;
         const bool turned = trial % 2;
-        const TexelFootprint f = texelFootprint(turned ? shorter : longer, turned ? longer : shorter, 12);
-        ASSERT_TRUE(f.taps >= 1 && f.taps <= MOST_TAPS);
+        const AperturaTexelFootprint f = aperturaTexelFootprint(turned ? shorter : longer, turned ? longer : shorter, 12);
+        ASSERT_TRUE(f.taps >= 1 && f.taps <= APERTURA_MOST_TAPS);
         EXPECT_LT(glm::length(float(f.taps) * f.step - longer), 1e-4f * length);
-        const double width = std::exp2(double(f.level)), needed = length / std::min({double(ratio), double(MOST_TAPS), double(length)});
+        const double width = std::exp2(double(f.level)),
+                     needed = length / std::min({double(ratio), double(APERTURA_MOST_TAPS), double(length)});
         // A tap is as wide as the pixel's short side where there are enough of them, and never much wider than what it stands for.
         EXPECT_GE(width, 0.999 * std::min(double(length) / f.taps, 2048.0));
         EXPECT_LE(width, 1.001 * std::max(needed, 1.0));

@@ -6,14 +6,14 @@
 
 #include <chrono>
 
-#include "bake/fit/bake.h"
-#include "bake/scene/load.h"
-#include "runtime/asset/asset.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/file.h"
-#include "runtime/asset/gltf.h"
-#include "runtime/asset/gltf_document.h"
-#include "runtime/asset/view.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/gltf.h"
+#include "apertura/runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/view.h"
 #include "tests/gltf_text.h"
 #include "tests/support.h"
 

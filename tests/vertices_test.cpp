@@ -1,12 +1,12 @@
 // Baking of difficult geometry: faces that coincide or have no area, vertices inside other geometry, normals that contradict
 // windings, scenes far from the origin, tiny and huge ones.
-#include "bake/sampling/vertices.h"
+#include "apertura/bake/sampling/vertices.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "bake/fit/bake.h"
-#include "bake/sampling/solids.h"
-#include "bake/scene/shapes.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/sampling/solids.h"
+#include "apertura/bake/scene/shapes.h"
 #include "tests/support.h"
 
 namespace apertura::test {

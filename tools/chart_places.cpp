@@ -2,11 +2,11 @@
 
 #include <sstream>
 
-#include "bake/fit/bake.h"
-#include "bake/fit/texels.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/file.h"
-#include "runtime/asset/texels.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/fit/texels.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/texels.h"
 #include "tools/commands.h"
 
 namespace apertura {
@@ -58,7 +58,7 @@ std::vector<PlaceRow> measurePlaces(const Scene& scene, MeasureOptions measure, 
         info.at = at;
         const PendingFile file(path);
         writeAsset(file.name(), scene, bakeScene(scene, Tracer(scene), bake, part(progress, done / count, (done + 0.7) / count)), info);
-        const Asset asset = readAsset(file.name());
+        const Asset asset = loadAsset(file.name());
         const MeasureRow row = measureAsset(asset, measure, part(progress, (done + 0.7) / count, (done + 1) / count)).rows.at(0);
         out.push_back({scene.name, at, side, bytesOf(asset), row.rmse, row.ambient, row.own});
     }

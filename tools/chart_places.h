@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/measure/measure.h"
+#include "apertura/bake/measure/measure.h"
 
 namespace apertura {
 

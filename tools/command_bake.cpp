@@ -1,13 +1,13 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "bake/fit/faces.h"
-#include "bake/fit/texels.h"
-#include "runtime/asset/asset.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/file.h"
-#include "runtime/asset/gltf_document.h"
-#include "runtime/asset/image_files.h"
+#include "apertura/bake/fit/faces.h"
+#include "apertura/bake/fit/texels.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/image_files.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 

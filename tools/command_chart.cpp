@@ -9,13 +9,13 @@
 #include <sstream>
 #include <tuple>
 
-#include "bake/fit/bake.h"
-#include "bake/measure/appearance.h"
-#include "bake/measure/measure.h"
-#include "bake/scene/builtin.h"
-#include "runtime/asset/asset.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/file.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/appearance.h"
+#include "apertura/bake/measure/measure.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
 #include "tools/chart_places.h"
 #include "tools/commands.h"
 #include "tools/costs.h"
@@ -106,7 +106,7 @@ void addWholeErrors(const Scene& scene, const std::vector<const Model*>& models,
         const PendingFile file(path);
         writeAsset(file.name(), scene, bakeScene(scene, Tracer(scene), bake, part(progress, done, middle)), info);
         measure.models = made;
-        for (const MeasureRow& row : measureAsset(readAsset(file.name()), measure, part(progress, middle, next)).rows)
+        for (const MeasureRow& row : measureAsset(loadAsset(file.name()), measure, part(progress, middle, next)).rows)
             out[{scene.name, row.model, row.source, row.lightRadius}] = {row.rmse, row.ambient, row.mottle, row.edge};
         done = next;
     }
@@ -192,6 +192,7 @@ std::string toMaps(const std::vector<Measurement>& all) {
 }
 
 void run(Arguments a) {
+    const std::string script = findScript("charts.py");
     a.measure.models = parseModels(a.models, a.measure.shadowMap);
     a.measure.only = !a.models.empty();
     if (a.scenes.empty())
@@ -246,7 +247,7 @@ void run(Arguments a) {
     writeTextFile(
         about,
         nlohmann::ordered_json{{"version", APERTURA_VERSION}, {"receivers", all[0].receivers}, {"device", costs.device}}.dump() + "\n");
-    drawCharts(APERTURA_CHARTS, a.out, "the table models.csv is there, the charts are not");
+    drawCharts(script, a.out, "the table models.csv is there, the charts are not");
     std::printf("%s/index.html: %zu scenes, %d receivers each\n", a.out.c_str(), all.size(), all[0].receivers);
 }
 

@@ -2,11 +2,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "bake/measure/appearance.h"
-#include "bake/measure/measure.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/file.h"
-#include "runtime/asset/view.h"
+#include "apertura/bake/measure/appearance.h"
+#include "apertura/bake/measure/measure.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/view.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 

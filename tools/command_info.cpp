@@ -4,11 +4,11 @@
 #include <numbers>
 #include <utility>
 
-#include "runtime/asset/asset.h"
-#include "runtime/asset/params_stream.h"
-#include "runtime/asset/texels.h"
-#include "sh/packing.h"
-#include "sh/shading.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/params_stream.h"
+#include "apertura/runtime/asset/texels.h"
+#include "apertura/sh/packing.h"
+#include "apertura/sh/shading.h"
 #include "tools/commands.h"
 
 namespace apertura {
@@ -24,8 +24,8 @@ nlohmann::ordered_json describeChoices(const Asset& asset) {
         for (const auto* points : {&seen.allParams, &seen.faces.allParams})
             for (const ModelParams& params : *points) {
                 ++all;
-                ++counts[size_t(chosenModel(models()[MODEL_AUTO], params).id)];
-                unreached += choiceIn(params[CHOICE_SLOT]).outOfReach;
+                ++counts[size_t(chosenModel(models()[APERTURA_MODEL_AUTO], params).id)];
+                unreached += aperturaChoiceIn(params[APERTURA_CHOICE_SLOT]).outOfReach;
             }
     nlohmann::ordered_json shares = nlohmann::json::object();
     double numbers = 0;
@@ -43,7 +43,7 @@ nlohmann::ordered_json describeChoices(const Asset& asset) {
 }
 
 nlohmann::ordered_json describe(const std::string& file) {
-    const Asset asset = readAsset(file);
+    const Asset asset = loadAsset(file);
     size_t vertices = 0, closed = 0;
     double area = 0, cap = 0;
     for (const SeenByInstance& seen : asset.seen)
@@ -55,11 +55,12 @@ nlohmann::ordered_json describe(const std::string& file) {
         }
     size_t samples = 0;
     nlohmann::ordered_json bySteps = nlohmann::json::object();
-    for (int level = 1; level <= MAX_LATTICE_LEVEL; ++level) {
+    for (int level = 1; level <= APERTURA_MAX_LATTICE_LEVEL; ++level) {
         size_t count = 0;
         for (const SeenByInstance& seen : asset.seen)
-            for (const uint8_t own : seen.faces.levels) count += own == level ? size_t(latticeSize(latticeSteps(level))) : 0;
-        if (count > 0) bySteps[std::to_string(latticeSteps(level))] = count;
+            for (const uint8_t own : seen.faces.levels)
+                count += own == level ? size_t(aperturaLatticeSize(aperturaLatticeSteps(level))) : 0;
+        if (count > 0) bySteps[std::to_string(aperturaLatticeSteps(level))] = count;
         samples += count;
     }
     nlohmann::ordered_json images = nlohmann::json::array();

@@ -4,10 +4,10 @@
 #include <glm/gtc/color_space.hpp>
 #include <numbers>
 
-#include "bake/measure/reference.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/file.h"
-#include "runtime/render/renderer.h"
+#include "apertura/bake/measure/reference.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/render/renderer.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 

@@ -7,15 +7,15 @@
 #include <optional>
 #include <sstream>
 
-#include "bake/fit/bake.h"
-#include "bake/measure/fuzz.h"
-#include "bake/measure/scene_steps.h"
-#include "bake/measure/seams.h"
-#include "bake/measure/storage_errors.h"
-#include "bake/scene/builtin.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/file.h"
-#include "runtime/render/renderer.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/fuzz.h"
+#include "apertura/bake/measure/scene_steps.h"
+#include "apertura/bake/measure/seams.h"
+#include "apertura/bake/measure/storage_errors.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/render/renderer.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 
@@ -143,9 +143,11 @@ void print(const std::vector<ModelReport>& reports) {
 }
 
 void run(const Arguments& a) {
+    const std::string script = findScript("stability_charts.py");
     std::vector<const Model*> asked;
     for (const Model& model : models())
-        if (model.id != MODEL_UNSHADOWED && (a.models.empty() || std::find(a.models.begin(), a.models.end(), model.name) != a.models.end()))
+        if (model.id != APERTURA_MODEL_UNSHADOWED
+            && (a.models.empty() || std::find(a.models.begin(), a.models.end(), model.name) != a.models.end()))
             asked.push_back(&model);
     for (const std::string& name : a.models)
         if (!findModel(name)) throw CLI::ValidationError("--models: there is no model '" + name + "' (there are " + modelNames() + ")");
@@ -234,7 +236,7 @@ void run(const Arguments& a) {
     writeTextFile(a.out + "/half.csv", halfCsv(halves));
     writeTextFile(a.out + "/seams.csv", seamsCsv(seams));
     print(reports);
-    drawCharts(APERTURA_STABILITY_CHARTS, a.out, "the tables are there, the charts are not");
+    drawCharts(script, a.out, "the tables are there, the charts are not");
 }
 
 }  // namespace

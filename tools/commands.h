@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bake/scene/load.h"
-#include "sh/models.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 
@@ -36,10 +36,14 @@ std::vector<double> parseNumbers(const std::string& text, char separator);
 // Accepts low .. high, as CLI::Range does, but not NaN, which that lets through.
 CLI::Validator finiteRange(double low, double high);
 
-// Runs a Python script of tools/ that draws charts of the tables in a folder.
-//   script     file name; it reports itself if a package is missing
+// The path of a script that the program runs, wherever the program was moved to: beside it, as in a build tree, or in ../share/apertura, as
+// where it is installed. Throws Error naming the script and both folders if it is in neither. Call it before the work.
+std::string findScript(const std::string& name);
+
+// Runs a Python script that draws charts of the tables in a folder.
+//   script     from findScript; it reports itself if a package is missing
 //   otherwise  added to the Error, which also names the folder, that this throws if the script fails
-void drawCharts(const char* script, const std::string& folder, const std::string& otherwise);
+void drawCharts(const std::string& script, const std::string& folder, const std::string& otherwise);
 
 // Text from a file in one line, without the characters that control a terminal.
 std::string printable(std::string text);

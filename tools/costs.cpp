@@ -7,11 +7,11 @@
 #include <memory>
 #include <numbers>
 
-#include "bake/fit/bake.h"
-#include "bake/sampling/directions.h"
-#include "bake/scene/builtin.h"
-#include "bake/scene/isolated.h"
-#include "runtime/asset/error.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/bake/scene/isolated.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace {
@@ -32,9 +32,9 @@ std::vector<CostKey> keysOf(std::span<const Model* const> asked, std::span<const
     const auto add = [&](int id) {
         for (const int lightClass : lightClasses) out.emplace_back(id, lightClass);
     };
-    add(MODEL_UNSHADOWED);
+    add(APERTURA_MODEL_UNSHADOWED);
     for (const Model* model : asked)
-        if (model->id != MODEL_UNSHADOWED) add(model->id);
+        if (model->id != APERTURA_MODEL_UNSHADOWED) add(model->id);
     if (shadowMap) add(kShadowMapId);
     return out;
 }
@@ -70,7 +70,8 @@ public:
               for (const CostKey& key : keys_) lightCases.push_back({key.first, key.second});
               for (const CostKey& key : drawn_) pixelCases.push_back({modelOf(key), key.second});
               for (const CostKey& key : keys_)
-                  litCases.push_back({modelOf(key), key.second, key.first == MODEL_UNSHADOWED ? LightAt::Pixels : LightAt::Vertices});
+                  litCases.push_back(
+                      {modelOf(key), key.second, key.first == APERTURA_MODEL_UNSHADOWED ? LightAt::Pixels : LightAt::Vertices});
               out.put(compiledCosts(gpu, lightCases));
               out.put(compiledPixelCosts(gpu, pixelCases));
               out.put(compiledPixelCosts(gpu, litCases));
@@ -134,7 +135,10 @@ std::map<CostKey, double> frameTimes(const Gpu& gpu, std::span<const Model* cons
     const BakedVisibility seen = bakeVertices(scene, Tracer(scene), options);
     View view;
     view.camera = viewOf(scene);
-    const double degrees = lightClass == LIGHTS_SUN ? 0.27 : lightClass == LIGHTS_SMALL ? 1 : lightClass == LIGHTS_MEDIUM ? 5 : 15;
+    const double degrees = lightClass == APERTURA_LIGHTS_SUN    ? 0.27
+                         : lightClass == APERTURA_LIGHTS_SMALL  ? 1
+                         : lightClass == APERTURA_LIGHTS_MEDIUM ? 5
+                                                                : 15;
     view.lights = {directionalLight({0.5f, 0.6f, 0.5f}, degrees * std::numbers::pi / 180, glm::vec3(1))};
     const int one[] = {lightClass};
     const std::vector<CostKey> keys = keysOf(asked, one, true);
@@ -143,7 +147,7 @@ std::map<CostKey, double> frameTimes(const Gpu& gpu, std::span<const Model* cons
     std::vector<FrameCase> cases;
     for (const CostKey& key : keys) {
         const Model* model = modelOf(key);
-        assets.push_back(std::make_unique<Asset>(frameAsset(scene, seen, model ? *model : models()[MODEL_UNSHADOWED])));
+        assets.push_back(std::make_unique<Asset>(frameAsset(scene, seen, model ? *model : models()[APERTURA_MODEL_UNSHADOWED])));
         renderers.push_back(std::make_unique<Renderer>(gpu, *assets.back()));
         const LightAt at = model ? renderers.back()->betterLightAt(*model, double(view.width) * view.height) : LightAt::Pixels;
         cases.push_back({renderers.back().get(), model, at});

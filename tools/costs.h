@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/render/cost.h"
+#include "apertura/runtime/render/cost.h"
 
 namespace apertura {
 
@@ -34,8 +34,8 @@ struct Costs {
 // not there.
 Cycles cyclesOn(const char* family, std::span<const Model* const> models, std::span<const int> lightClasses);
 
-// Costs of the models, of N.L and of a shadow map, in these classes of lights (LIGHTS_...); frames in one class alone. What cannot be
-// measured on this machine is left out, and said.
+// Costs of the models, of N.L and of a shadow map, in these classes of lights (APERTURA_LIGHTS_...); frames in one class alone. What cannot
+// be measured on this machine is left out, and said.
 Costs measureCosts(std::span<const Model* const> models, std::span<const int> lightClasses, int frameClass);
 
 }  // namespace apertura

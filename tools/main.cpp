@@ -6,7 +6,7 @@
 #include <iostream>
 #include <new>
 
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/error.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 

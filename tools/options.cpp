@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/error.h"
 #include "tools/commands.h"
 
 namespace apertura {
@@ -23,10 +23,19 @@ CLI::Validator finiteRange(double low, double high) {
         "");
 }
 
-void drawCharts(const char* script, const std::string& folder, const std::string& otherwise) {
+std::string findScript(const std::string& name) {
+    const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    const std::filesystem::path installed = (own / "../share/apertura").lexically_normal();
+    for (const std::filesystem::path& folder : {own, installed})
+        if (std::filesystem::is_regular_file(folder / name)) return (folder / name).string();
+    throw Error(name + ": is neither in " + own.string() + " nor in " + installed.string() + ", where this program looks for its scripts");
+}
+
+void drawCharts(const std::string& script, const std::string& folder, const std::string& otherwise) {
     std::fflush(stdout);
     const char* const python = std::getenv("APERTURA_PYTHON");
-    const std::string command = std::string(python ? python : "/usr/bin/python3") + " '" + script + "' \"$APERTURA_CHART_FOLDER\"";
+    const std::string command = std::string(python ? python : "/usr/bin/python3") + " \"$APERTURA_SCRIPT\" \"$APERTURA_CHART_FOLDER\"";
+    setenv("APERTURA_SCRIPT", script.c_str(), 1);
     setenv("APERTURA_CHART_FOLDER", folder.c_str(), 1);
     if (std::system(command.c_str()) != 0) throw Error(folder + ": " + otherwise);
 }

@@ -2,7 +2,7 @@
 #include <chrono>
 #include <string>
 
-#include "bake/sampling/tracer.h"
+#include "apertura/bake/sampling/tracer.h"
 
 namespace apertura {
 

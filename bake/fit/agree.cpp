@@ -1,13 +1,13 @@
-#include "bake/fit/agree.h"
+#include "apertura/bake/fit/agree.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <map>
 
-#include "bake/fit/choose.h"
-#include "bake/sampling/directions.h"
-#include "bake/sampling/progress.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/progress.h"
 
 namespace apertura {
 namespace {
@@ -105,14 +105,14 @@ ModelParams bestOf(const Model& model, const SampleLattice& lattice, std::span<c
 
 }  // namespace
 
-bool canAgree(const Model& model) { return model.id == MODEL_AUTO || lobeFormOf(model.id); }
+bool canAgree(const Model& model) { return model.id == APERTURA_MODEL_AUTO || lobeFormOf(model.id); }
 
 namespace {
 
 // The choice of `auto` at a point after a look at its neighbours.
 BakedPoint choiceOf(const FitTools& tools, const FitOptions& options, std::span<const FittedPoint> points, size_t own,
                     std::span<const uint32_t> near) {
-    const Model& choosing = models()[MODEL_AUTO];
+    const Model& choosing = models()[APERTURA_MODEL_AUTO];
     const auto modelOf = [&](size_t i) { return &chosenModel(choosing, points[i].baked.params); };
     std::map<int, size_t> counts;
     for (const uint32_t n : near) ++counts[modelOf(n)->id];
@@ -128,7 +128,7 @@ BakedPoint choiceOf(const FitTools& tools, const FitOptions& options, std::span<
 void agree(const Model& model, const FitTools& tools, const FitOptions& options, std::span<FittedPoint> points,
            const Neighbours& neighbours, uint32_t seed, const Progress& progress) {
     const std::vector<vec3> directions = fibonacciHemisphere(kDirections);
-    const bool isChoice = model.id == MODEL_AUTO;
+    const bool isChoice = model.id == APERTURA_MODEL_AUTO;
     std::vector<BakedPoint> next(points.size());
     ProgressCounter counter(progress, (kSweeps + isChoice) * points.size());
     const auto sweep = [&](auto&& bakedAt) {
@@ -151,7 +151,7 @@ void agree(const Model& model, const FitTools& tools, const FitOptions& options,
             for (const uint32_t other : neighbours.of(i))
                 if (&chosenModel(model, points[other].baked.params) == &own) near.push_back(other);
             if (near.empty()) return baked;
-            const bool outOfReach = isChoice && choiceIn(baked.params[CHOICE_SLOT]).outOfReach;
+            const bool outOfReach = isChoice && aperturaChoiceIn(baked.params[APERTURA_CHOICE_SLOT]).outOfReach;
             baked.params = bestOf(own, tools.lattice, points, i, near, directions);
             if (isChoice) setChoice(baked.params, own, outOfReach);
             return baked;

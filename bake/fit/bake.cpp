@@ -1,18 +1,18 @@
-#include "bake/fit/bake.h"
+#include "apertura/bake/fit/bake.h"
 
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <optional>
 
-#include "bake/fit/agree.h"
-#include "bake/fit/choose.h"
-#include "bake/fit/faces.h"
-#include "bake/fit/texels.h"
-#include "bake/sampling/progress.h"
-#include "bake/sampling/surface_points.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/tangents.h"
+#include "apertura/bake/fit/agree.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/fit/faces.h"
+#include "apertura/bake/fit/texels.h"
+#include "apertura/bake/sampling/progress.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/tangents.h"
 
 namespace apertura {
 namespace {
@@ -28,7 +28,7 @@ constexpr double kSkyTolerance = 0.012;  // RMSE of the sky's E, over pi, that s
 double ownErrorOf(const Scene& scene, const OcclusionSource& source, const Solids& solids, const BakeOptions& options,
                   const FitOptions& fitOptions, const Progress& progress) {
     const Recipe& recipe = recipeNamed(options.recipe);
-    const Model& model = models()[size_t(recipe.model >= 0 ? recipe.model : recipe.only >= 0 ? recipe.only : MODEL_SOFT)];
+    const Model& model = models()[size_t(recipe.model >= 0 ? recipe.model : recipe.only >= 0 ? recipe.only : APERTURA_MODEL_SOFT)];
     const FitTools tools(std::max(options.rays, kOwnRays), FitTools::Use::Choice);
     std::vector<SurfacePoint> points;
     for (const SurfaceSample& p : sampleSurface(scene, kOwnPoints, options.seed))
@@ -78,7 +78,7 @@ AutoPlan planAuto(const OcclusionSource& source, std::span<const SurfacePoint> p
 void bakePoints(const OcclusionSource& source, std::span<const SurfacePoint> points, const BakeOptions& options, const Progress& progress,
                 const std::function<void(size_t, const BakedPoint&, const Samples&, const glm::mat3&)>& keep) {
     const Recipe& recipe = recipeNamed(options.recipe);
-    if (recipe.model == MODEL_AUTO && !(options.lambda > 0)) throw Error("the recipe auto needs a lambda: planAuto finds it");
+    if (recipe.model == APERTURA_MODEL_AUTO && !(options.lambda > 0)) throw Error("the recipe auto needs a lambda: planAuto finds it");
     const FitTools tools(options.rays, useOf(recipe));
     const FitOptions fitOptions = fitOptionsOf(options);
     samplePoints(source, points, tools.lattice, options.seed, options.threads, progress,
@@ -118,7 +118,7 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
     const bool stored = recipeNamed(options.recipe).model >= 0;
     BakedVisibility out;
     ModelParams closed{};  // of vertices that no triangle uses
-    if (recipeNamed(options.recipe).model == MODEL_AUTO) setChoice(closed, *autoModels()[0], false);
+    if (recipeNamed(options.recipe).model == APERTURA_MODEL_AUTO) setChoice(closed, *autoModels()[0], false);
     for (const Instance& instance : scene.instances) {
         const size_t count = scene.surfaces[instance.surface].positions.size();
         out.push_back({std::vector<Visibility>(count), std::vector<ModelParams>(stored ? count : 0, closed)});
@@ -190,7 +190,7 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     wanted.isMixed = recipe.model < 0 || models()[size_t(recipe.model)].mixes;
     size_t vertices = 0;
     for (const SeenByInstance& seen : out) vertices += seen.visibility.size();
-    const double extra = recipe.model == MODEL_AUTO ? 4 : recipe.model >= 0 ? storedNumbers(models()[size_t(recipe.model)]) : 0;
+    const double extra = recipe.model == APERTURA_MODEL_AUTO ? 4 : recipe.model >= 0 ? storedNumbers(models()[size_t(recipe.model)]) : 0;
     wanted.bytesASample = (4 + extra) * options.bits / 8;
     wanted.bytesElsewhere = double(vertices) * wanted.bytesASample + double(triangleCount(scene));
     faces.refine(wanted, part(progress, 0.55, 0.8));

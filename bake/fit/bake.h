@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "bake/fit/fit.h"
-#include "bake/sampling/occlusion.h"
-#include "runtime/asset/asset.h"
+#include "apertura/bake/fit/fit.h"
+#include "apertura/bake/sampling/occlusion.h"
+#include "apertura/runtime/asset/asset.h"
 
 namespace apertura {
 

@@ -1,17 +1,17 @@
-#include "bake/fit/choose.h"
+#include "apertura/bake/fit/choose.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "bake/sampling/directions.h"
+#include "apertura/bake/sampling/directions.h"
 
 namespace apertura {
 
 std::vector<FitTools::Probes> makeProbes(const SampleLattice& lattice) {
     std::vector<FitTools::Probes> out;
     for (const double degrees : {5.0, 15.0}) {
-        FitTools::Probes p{degrees * PI / 180, {}};
+        FitTools::Probes p{degrees * APERTURA_PI / 180, {}};
         const float cosine = float(std::cos(p.radius));
         for (const vec3& light : fibonacciHemisphere(160)) {
             std::vector<int> inside;
@@ -36,14 +36,14 @@ double probeError(const FitTools& tools, const FitTools::Probes& probes, const S
 
 std::vector<float> visibleTo(std::span<const vec3> directions, const Model& model, const BakedPoint& point) {
     const vec3 normal(0, 0, 1);
-    const Receiver receiver = toReceiver(point.visibility,
-                                         toParams(model, point.visibility, model.isStored() ? &point.params : nullptr, normal), normal);
+    const AperturaReceiver receiver = toReceiver(
+        point.visibility, toParams(model, point.visibility, model.isStored() ? &point.params : nullptr, normal), normal);
     std::vector<float> out;
     const float s = 1e-3f;
     for (const vec3& w : directions) {
-        const CapLight light = capLight(w, s);
-        out.push_back(irradianceThrough(model.id, receiver, light, LIGHTS_SUN)
-                      / std::max(unoccludedIrradiance(normal, light, LIGHTS_SUN), 1e-12f));
+        const AperturaCapLight light = aperturaCapLight(w, s);
+        out.push_back(aperturaIrradianceThrough(model.id, receiver, light, APERTURA_LIGHTS_SUN)
+                      / std::max(aperturaUnoccludedIrradiance(normal, light, APERTURA_LIGHTS_SUN), 1e-12f));
     }
     return out;
 }
@@ -128,7 +128,7 @@ double lambdaFor(std::span<const CandidateErrors> points, double tolerance, Pric
         }
         return std::sqrt(sum / double(points.size()));
     };
-    const double scale = priceOf(models()[MODEL_FIRM_4], price) / 12 / (tolerance * tolerance);
+    const double scale = priceOf(models()[APERTURA_MODEL_FIRM_4], price) / 12 / (tolerance * tolerance);
     double low = std::log(1e-3 * scale), high = std::log(kDearest * scale);
     for (int i = 0; i < 40; ++i) {
         const double middle = (low + high) / 2;
@@ -164,7 +164,7 @@ BakedPoint chooseModel(const FitTools& tools, const Samples& samples, const mat3
 BakedPoint withModel(const FitTools& tools, const Samples& samples, const mat3& frame, const FitOptions& options, const BakedPoint& now,
                      const Model& model, double share) {
     const auto cost = [&](const Model& of, double error) { return priceOf(of, options.price) + options.lambda * error * error; };
-    const Model& before = chosenModel(models()[MODEL_AUTO], now.params);
+    const Model& before = chosenModel(models()[APERTURA_MODEL_AUTO], now.params);
     const BakedPoint local{{transpose(frame) * now.visibility.direction, now.visibility.area},
                            rotateParams(before, now.params, transpose(frame))};
     double most = 0;

@@ -1,6 +1,6 @@
 #pragma once
 // Chooses the model of the fewest numbers that a point needs.
-#include "bake/fit/fit.h"
+#include "apertura/bake/fit/fit.h"
 
 namespace apertura {
 
@@ -35,7 +35,7 @@ CandidateErrors tryCandidates(const FitTools& tools, const Samples& samples, con
 
 // The lambda at which `auto` pays the least for an RMSE of `tolerance` over all points, if every point takes the candidate with the least
 // price + lambda * error^2. Where no lambda reaches the tolerance, the result is 3 units / tolerance^2, a unit being a twelfth of the
-// price of MODEL_FIRM_4, which reads twelve numbers: a further unit must then gain a third of tolerance^2.
+// price of APERTURA_MODEL_FIRM_4, which reads twelve numbers: a further unit must then gain a third of tolerance^2.
 double lambdaFor(std::span<const CandidateErrors> points, double tolerance, Price price = Price::Numbers);
 
 // The least model, by its price, that alone keeps an RMSE of `tolerance` over all points; nullptr where none does.

@@ -2,9 +2,9 @@
 // A triangle while it is decided how finely it is sampled.
 #include <vector>
 
-#include "bake/fit/face_judge.h"
-#include "bake/sampling/probes.h"
-#include "sh/shading.h"
+#include "apertura/bake/fit/face_judge.h"
+#include "apertura/bake/sampling/probes.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
@@ -22,11 +22,11 @@ struct Face {
 };
 
 // Samples that a face of a level has of its own.
-inline int samplesOn(int level) { return level ? latticeSize(latticeSteps(level)) : 0; }
+inline int samplesOn(int level) { return level ? aperturaLatticeSize(aperturaLatticeSteps(level)) : 0; }
 
 // Probes that a lattice is fitted to: about three times as many as it has samples of its own.
 inline size_t probesFor(int level) {
-    const int steps = latticeSteps(level);
+    const int steps = aperturaLatticeSteps(level);
     return size_t(1.5 * (steps + 1) * (steps + 2));
 }
 

@@ -1,4 +1,4 @@
-#include "bake/fit/face_baker.h"
+#include "apertura/bake/fit/face_baker.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -6,10 +6,10 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "bake/fit/agree.h"
-#include "bake/fit/choose.h"
-#include "bake/sampling/directions.h"
-#include "runtime/asset/faces.h"
+#include "apertura/bake/fit/agree.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/runtime/asset/faces.h"
 
 namespace apertura {
 namespace {
@@ -48,7 +48,7 @@ struct Sites {
             }
             for (uint32_t p = 0; face.level && p < face.probes.size(); ++p) {
                 if (face.probes[p].buried) continue;
-                const LatticeCell cell = latticeCell(face.probes[p].weights, latticeSteps(face.level));
+                const AperturaLatticeCell cell = aperturaLatticeCell(face.probes[p].weights, aperturaLatticeSteps(face.level));
                 for (int c = 0; c < 3; ++c)
                     if (cell.weights[c] > 0) all[ofSample[first + uint32_t(cell.samples[c])]].origins.push_back({f, p, cell.weights[c]});
             }
@@ -61,7 +61,7 @@ struct Sites {
         for (const Face& face : faces) {
             if (face.level == 0) continue;
             const uint32_t* own = &ofSample[seen.first[face.triangle]];
-            forLatticeEdges(latticeSteps(face.level), [&](int a, int b) { edges.emplace_back(own[a], own[b]); });
+            forLatticeEdges(aperturaLatticeSteps(face.level), [&](int a, int b) { edges.emplace_back(own[a], own[b]); });
         }
         return Neighbours(all.size(), std::move(edges));
     }
@@ -89,7 +89,7 @@ size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unkno
         for (size_t s = range.begin(); s < range.end() && !counter.stopped(); ++s) {
             const Site& site = sites.all[s];
             const Face& face = faces[site.face];
-            const glm::vec3 weights = latticePoint(site.sample, latticeSteps(face.level));
+            const glm::vec3 weights = latticePoint(site.sample, aperturaLatticeSteps(face.level));
             const SurfacePoint point = prober_.pointAt(face.instance, face.triangle, glm::mix(weights, glm::vec3(1 / 3.0f), kInside));
             const double start = hashUnit(options_.seed, instance << 40 | s, 3);
             const glm::mat3 frame = frameFromZ(point.normal, 2 * std::numbers::pi * start);
@@ -139,7 +139,7 @@ size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unkno
     for (size_t n = 0; n < seen.visibility.size(); ++n) {
         const BakedPoint& b = baked[sites.ofSample[n]];
         // A stored model leaves the four numbers as they are; those of `auto` belong to its choice.
-        if (recipe_.model < 0 || recipe_.model == MODEL_AUTO) seen.visibility[n] = b.visibility;
+        if (recipe_.model < 0 || recipe_.model == APERTURA_MODEL_AUTO) seen.visibility[n] = b.visibility;
         if (recipe_.model >= 0) seen.allParams[n] = b.params;
     }
     return baked.size() * directions.size();

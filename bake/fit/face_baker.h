@@ -2,10 +2,10 @@
 // Bakes samples on faces by a recipe, each from rays that start all around it.
 #include <span>
 
-#include "bake/fit/bake.h"
-#include "bake/fit/face.h"
-#include "bake/fit/face_unknowns.h"
-#include "bake/fit/fit.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/fit/face.h"
+#include "apertura/bake/fit/face_unknowns.h"
+#include "apertura/bake/fit/fit.h"
 
 namespace apertura {
 

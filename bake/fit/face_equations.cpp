@@ -1,6 +1,6 @@
-#include "bake/fit/face_equations.h"
+#include "apertura/bake/fit/face_equations.h"
 
-#include "bake/sampling/neighbours.h"
+#include "apertura/bake/sampling/neighbours.h"
 
 namespace apertura {
 namespace {
@@ -11,7 +11,7 @@ int levelOf(const Face& face, Fitted what) { return what == Fitted::All ? face.l
 
 }  // namespace
 
-std::array<Term, 3> termsOf(const LatticeCell& cell) {
+std::array<Term, 3> termsOf(const AperturaLatticeCell& cell) {
     std::array<Term, 3> out;
     for (int c = 0; c < 3; ++c) out[size_t(c)] = {uint32_t(cell.samples[c]), cell.weights[c]};
     return out;
@@ -45,7 +45,7 @@ LeastSquares equationsOf(const Unknowns& unknowns, std::span<const Face> faces, 
         if (level == 0)
             tie(0, 1), tie(1, 2), tie(2, 0);
         else
-            forLatticeEdges(latticeSteps(level), tie);
+            forLatticeEdges(aperturaLatticeSteps(level), tie);
     }
     return out;
 }

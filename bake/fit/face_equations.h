@@ -3,15 +3,15 @@
 #include <array>
 #include <span>
 
-#include "bake/fit/face.h"
-#include "bake/fit/face_unknowns.h"
-#include "bake/fit/least_squares.h"
-#include "runtime/asset/asset.h"
+#include "apertura/bake/fit/face.h"
+#include "apertura/bake/fit/face_unknowns.h"
+#include "apertura/bake/fit/least_squares.h"
+#include "apertura/runtime/asset/asset.h"
 
 namespace apertura {
 
 // A cell's samples, numbered as in their lattice, with their weights.
-std::array<Term, 3> termsOf(const LatticeCell& cell);
+std::array<Term, 3> termsOf(const AperturaLatticeCell& cell);
 
 // What is fitted: vertices and samples, or vertices alone, as if no face had samples.
 enum class Fitted { All, Vertices };

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "bake/sampling/probes.h"
-#include "sh/shading.h"
+#include "apertura/bake/sampling/probes.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
@@ -20,10 +20,10 @@ public:
     //   fitted  what the renderer makes of the samples about the witness
     //   normal  there, unit, world
     //   spin    of the lights about it, radians
-    SquaredErrors at(const Probe& witness, const Receiver& fitted, const glm::vec3& normal, double spin) const;
+    SquaredErrors at(const Probe& witness, const AperturaReceiver& fitted, const glm::vec3& normal, double spin) const;
 
     // The mean squared deviation of the lights of three samples, weighed by `shares`, from their mean, of apertures with hard edges.
-    double spread(const std::array<Receiver, 3>& samples, const glm::vec3& shares, const glm::vec3& normal, double spin) const;
+    double spread(const std::array<AperturaReceiver, 3>& samples, const glm::vec3& shares, const glm::vec3& normal, double spin) const;
 
 private:
     std::vector<glm::vec3> lights_;

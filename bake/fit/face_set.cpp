@@ -1,13 +1,13 @@
-#include "bake/fit/face_set.h"
+#include "apertura/bake/fit/face_set.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
-#include "bake/sampling/neighbours.h"
-#include "bake/sampling/surface_points.h"
-#include "runtime/asset/faces.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/neighbours.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/runtime/asset/faces.h"
 
 namespace apertura {
 namespace {
@@ -18,22 +18,25 @@ constexpr double kShared = 3;     // witnesses that the mean of a level's faces 
 constexpr double kSpread = 0.28;  // of the squared spread of three samples' lights: what mixing these errs as hard edges move between them
 
 // Witnesses that judge a lattice.
-size_t witnessesFor(int level) { return std::max(size_t(8), size_t(latticeSteps(level)) * size_t(latticeSteps(level)) / 2); }
+size_t witnessesFor(int level) {
+    return std::max(size_t(8), size_t(aperturaLatticeSteps(level)) * size_t(aperturaLatticeSteps(level)) / 2);
+}
 // A face that is refined has a witness for each `mean` square metres, so that none is left as it is because a few err little by chance.
 size_t witnessesOn(double area, double mean) { return size_t(std::min(area / mean, 256.0)); }
 
 }  // namespace
 
 SquaredErrors FaceSet::errorsOf(const Face& face, std::span<const Visibility> samples) const {
-    const Model& soft = models()[MODEL_SOFT];
+    const Model& soft = models()[APERTURA_MODEL_SOFT];
     const Instance& placed = scene.instances[face.instance];
     const Surface& surface = scene.surfaces[size_t(placed.surface)];
     const auto& corners = surface.triangles[face.triangle];
     std::vector<ModelParams> params;
     for (size_t i = 0; i < samples.size(); ++i) {
         const glm::vec3 normal =
-            face.level ? surfaceAt(scene, int(face.instance), int(face.triangle), latticePoint(int(i), latticeSteps(face.level))).looking()
-                       : normalMatrix(placed.toWorld) * surface.normals[corners[i]];
+            face.level
+                ? surfaceAt(scene, int(face.instance), int(face.triangle), latticePoint(int(i), aperturaLatticeSteps(face.level))).looking()
+                : normalMatrix(placed.toWorld) * surface.normals[corners[i]];
         params.push_back(toParams(soft, samples[i], nullptr, normal));
     }
     SquaredErrors sum;
@@ -41,8 +44,8 @@ SquaredErrors FaceSet::errorsOf(const Face& face, std::span<const Visibility> sa
     for (size_t k = 0; k < face.witnesses.size(); ++k) {
         const Probe& witness = face.witnesses[k];
         if (witness.buried) continue;
-        const LatticeCell cell = face.level ? latticeCell(witness.weights, latticeSteps(face.level))
-                                            : LatticeCell{{0, 1, 2}, witness.weights};
+        const AperturaLatticeCell cell = face.level ? aperturaLatticeCell(witness.weights, aperturaLatticeSteps(face.level))
+                                                    : AperturaLatticeCell{{0, 1, 2}, witness.weights};
         Visibility visibility{glm::vec3(0), 0};
         ModelParams mix{};
         for (int c = 0; c < 3; ++c) {
@@ -51,13 +54,14 @@ SquaredErrors FaceSet::errorsOf(const Face& face, std::span<const Visibility> sa
             mix[0] += cell.weights[c] * params[at][0];
         }
         const glm::vec3 normal = prober.pointAt(face.instance, face.triangle, witness.weights).normal;
-        std::array<Receiver, 3> apertures;
+        std::array<AperturaReceiver, 3> apertures;
         for (int c = 0; !isMixed && c < 3; ++c) {
             const Visibility& own = samples[size_t(cell.samples[c])];
-            apertures[size_t(c)] = toReceiver(own, toParams(models()[MODEL_APERTURE], own, nullptr, normal), normal);
+            apertures[size_t(c)] = toReceiver(own, toParams(models()[APERTURA_MODEL_APERTURE], own, nullptr, normal), normal);
         }
         const double spin = 2 * std::numbers::pi * hashUnit(seed, face.triangle, 17 + k);
-        const SquaredErrors here = judge.at(witness, renormalised(MODEL_SOFT, toReceiver(visibility, mix, normal)), normal, spin);
+        const SquaredErrors here = judge.at(witness, aperturaRenormalised(APERTURA_MODEL_SOFT, toReceiver(visibility, mix, normal)), normal,
+                                            spin);
         sum.light += here.light, sum.sky += here.sky;
         if (!isMixed) sum.light += kSpread * judge.spread(apertures, cell.weights, normal, spin);
         ++count;
@@ -94,10 +98,10 @@ void FaceSet::fitAlone(Face& face, bool mayTie) const {
 }
 
 double FaceSet::ownError(const Face& face, float tie) const {
-    const int steps = latticeSteps(face.level);
-    LeastSquares equations(size_t(latticeSize(steps)));
+    const int steps = aperturaLatticeSteps(face.level);
+    LeastSquares equations(size_t(aperturaLatticeSize(steps)));
     for (const Probe& probe : face.probes)
-        if (!probe.buried) equations.add(termsOf(latticeCell(probe.weights, steps)), probe.mean());
+        if (!probe.buried) equations.add(termsOf(aperturaLatticeCell(probe.weights, steps)), probe.mean());
     forLatticeEdges(steps, [&](int a, int b) { equations.tie(uint32_t(a), uint32_t(b), tie); });
     return total(errorsOf(face, equations.solve()));
 }
@@ -165,7 +169,7 @@ std::vector<size_t> FaceSet::tooCoarse() const {
     tbb::parallel_for(size_t(0), found.size(), [&](size_t i) {
         const Unknowns unknowns = unknownsOf(scene, i, facesOf(i));
         std::vector<double> spacings(surfaceOf(i).triangles.size(), HUGE_VAL);  // m, where samples and not just the mesh made them
-        const auto spacing = [](const Face& face) { return std::sqrt(2 * face.area) / latticeSteps(std::max(face.level, 1)); };
+        const auto spacing = [](const Face& face) { return std::sqrt(2 * face.area) / aperturaLatticeSteps(std::max(face.level, 1)); };
         std::vector<int> levels(spacings.size(), 0);
         for (const Face& face : facesOf(i)) {
             levels[face.triangle] = face.level;
@@ -173,7 +177,7 @@ std::vector<size_t> FaceSet::tooCoarse() const {
         }
         for (size_t f = firstFace[i]; f < firstFace[i + 1]; ++f) {
             const Face& face = faces[f];
-            if (face.open == 0 || face.level == MAX_LATTICE_LEVEL) continue;
+            if (face.open == 0 || face.level == APERTURA_MAX_LATTICE_LEVEL) continue;
             for (int e = 0; e < 3; ++e) {
                 const int64_t other = unknowns.across(face.triangle, e);
                 if (other >= 0 && face.level + 1 < levels[size_t(other)] && spacing(face) > 2 * spacings[size_t(other)]) {
@@ -189,7 +193,7 @@ std::vector<size_t> FaceSet::tooCoarse() const {
 }
 
 void FaceSet::shareErrors() {
-    double sum[MAX_LATTICE_LEVEL + 1]{}, area[MAX_LATTICE_LEVEL + 1]{};
+    double sum[APERTURA_MAX_LATTICE_LEVEL + 1]{}, area[APERTURA_MAX_LATTICE_LEVEL + 1]{};
     for (const Face& face : faces)
         if (!isBlind(face)) sum[face.level] += total(face.measured) * face.area, area[face.level] += face.area;
     for (Face& face : faces) {

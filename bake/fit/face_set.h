@@ -2,8 +2,8 @@
 // The triangles of a scene while it is decided how finely each is sampled.
 #include <oneapi/tbb/parallel_for.h>
 
-#include "bake/fit/face_equations.h"
-#include "bake/fit/faces.h"
+#include "apertura/bake/fit/face_equations.h"
+#include "apertura/bake/fit/faces.h"
 
 namespace apertura {
 

@@ -1,11 +1,11 @@
-#include "bake/fit/face_unknowns.h"
+#include "apertura/bake/fit/face_unknowns.h"
 
 #include <algorithm>
 #include <array>
 #include <numeric>
 
-#include "bake/sampling/classes.h"
-#include "sh/shading.h"
+#include "apertura/bake/sampling/classes.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 namespace {
@@ -30,11 +30,11 @@ int64_t Unknowns::across(size_t t, int e) const {
 }
 
 std::vector<Term> Unknowns::sample(size_t t, int at) const {
-    const int level = levels_[t], steps = latticeSteps(std::max(level, 1));
+    const int level = levels_[t], steps = aperturaLatticeSteps(std::max(level, 1));
     if (level == 0) return {{vertexUnknowns_[surface_.triangles[t][size_t(at)]], 1.0f}};
     int j = 0;
-    while (latticeRow(j + 1, steps) <= at) ++j;
-    const int i = at - latticeRow(j, steps), k = steps - i - j;
+    while (aperturaLatticeRow(j + 1, steps) <= at) ++j;
+    const int i = at - aperturaLatticeRow(j, steps), k = steps - i - j;
     if (k == steps) return {{cornerUnknowns_[3 * t], 1.0f}};
     if (i == steps) return {{cornerUnknowns_[3 * t + 1], 1.0f}};
     if (j == steps) return {{cornerUnknowns_[3 * t + 2], 1.0f}};
@@ -60,7 +60,7 @@ std::vector<Term> Unknowns::point(size_t t, const glm::vec3& weights) const {
     if (levels_[t] == 0) {
         for (int c = 0; c < 3; ++c) add(c, weights[c]);
     } else {
-        const LatticeCell cell = latticeCell(weights, latticeSteps(levels_[t]));
+        const AperturaLatticeCell cell = aperturaLatticeCell(weights, aperturaLatticeSteps(levels_[t]));
         for (int c = 0; c < 3; ++c) add(cell.samples[c], cell.weights[c]);
     }
     return out;
@@ -143,11 +143,11 @@ void Unknowns::numberSamples() {
                 continue;
             }
             const int level = other == kNone ? levels_[t] : std::min(levels_[t], levels_[other / 3]);
-            const int steps = latticeSteps(std::max(level, 1));  // beside a face of vertices alone, the line between its ends
+            const int steps = aperturaLatticeSteps(std::max(level, 1));  // beside a face of vertices alone, the line between its ends
             edges_[own] = {uint32_t(count_), steps, true};
             count_ += size_t(steps - 1);
         }
-        const int steps = latticeSteps(levels_[t]);
+        const int steps = aperturaLatticeSteps(levels_[t]);
         firstInside_[t] = uint32_t(count_);
         count_ += size_t((steps - 1) * (steps - 2) / 2);
     }
@@ -156,7 +156,7 @@ void Unknowns::numberSamples() {
 // Step `s` of the steps along a triangle's edge.
 std::vector<Term> Unknowns::alongEdge(size_t t, int e, int s) const {
     const Edge& edge = edges_[3 * t + size_t(e)];
-    const int steps = latticeSteps(levels_[t]), own = edge.steps;
+    const int steps = aperturaLatticeSteps(levels_[t]), own = edge.steps;
     if (!edge.forwards) s = steps - s;
     const uint32_t from = cornerUnknowns_[3 * t + size_t(edge.forwards ? e : (e + 1) % 3)],
                    to = cornerUnknowns_[3 * t + size_t(edge.forwards ? (e + 1) % 3 : e)];

@@ -1,7 +1,7 @@
 #pragma once
 // What is unknown on the faces of a scene, for LeastSquares.
-#include "bake/fit/least_squares.h"
-#include "runtime/asset/scene.h"
+#include "apertura/bake/fit/least_squares.h"
+#include "apertura/runtime/asset/scene.h"
 
 namespace apertura {
 

@@ -1,15 +1,15 @@
-#include "bake/fit/faces.h"
+#include "apertura/bake/fit/faces.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "bake/fit/face_baker.h"
-#include "bake/fit/face_set.h"
-#include "bake/sampling/directions.h"
-#include "bake/sampling/surface_points.h"
-#include "runtime/asset/faces.h"
+#include "apertura/bake/fit/face_baker.h"
+#include "apertura/bake/fit/face_set.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/runtime/asset/faces.h"
 
 namespace apertura {
 namespace {
@@ -115,7 +115,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
         std::vector<Step> steps;
         for (size_t f = 0; f < set.faces.size(); ++f) {
             const Face& face = set.faces[f];
-            if (face.level == MAX_LATTICE_LEVEL || face.error <= 0) continue;
+            if (face.level == APERTURA_MAX_LATTICE_LEVEL || face.error <= 0) continue;
             const double gain = face.gain * face.error * face.area * face.open;
             const double cost = FaceSet::costOf(face, options);
             steps.push_back({gain / cost, f, gain, cost});
@@ -155,7 +155,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
     area = 0;  // the faces' open parts are better known now
     for (const Face& face : set.faces) area += face.area * face.open;
     for (const Face& face : set.faces) {
-        if (face.error > options.tolerance * options.tolerance && (settled || face.level == MAX_LATTICE_LEVEL))
+        if (face.error > options.tolerance * options.tolerance && (settled || face.level == APERTURA_MAX_LATTICE_LEVEL))
             report.unmet += face.area * face.open;
         report.samples += size_t(samplesOn(face.level));
     }

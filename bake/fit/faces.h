@@ -1,7 +1,7 @@
 #pragma once
 // Where visibility is stored: at vertices, and on the faces that they do not suffice for as finely as each one needs.
-#include "bake/fit/bake.h"
-#include "bake/sampling/probes.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/sampling/probes.h"
 
 namespace apertura {
 

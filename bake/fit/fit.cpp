@@ -1,14 +1,14 @@
-#include "bake/fit/fit.h"
+#include "apertura/bake/fit/fit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
 
-#include "bake/fit/choose.h"
-#include "bake/fit/rivals.h"
-#include "runtime/asset/error.h"
-#include "sh/soft.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/fit/rivals.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/sh/soft.h"
 
 namespace apertura {
 namespace {
@@ -57,7 +57,7 @@ BakedPoint fromTransfer(const FitTools&, const Samples& samples, const mat3&, co
 }
 
 vec4 bestLobe(const Samples& samples, float ambientWeight) {
-    const SoftAperture start = toSoft(project(samples), vec3(0, 0, 1));
+    const AperturaSoftAperture start = toSoft(project(samples), vec3(0, 0, 1));
     LobeFitOptions fitOptions;
     fitOptions.ambientWeight = ambientWeight;
     fitOptions.steps = kLongSteps;
@@ -119,14 +119,14 @@ ModelParams antiOf(const LobeFit& fit) {
     const vec4 cap = toCap(fit.lobes[0], false);
     const bool anti = cap.w > 1;
     const vec4 own = anti ? vec4(-vec3(cap), 2 - cap.w) : cap;
-    const Aperture aperture = makeAperture(vec3(own), own.w);
-    return paramsOf(withTwoCaps({}, {aperture, aperture, anti ? 1.0f : 0.0f, 0}));
+    const AperturaAperture aperture = aperturaMakeAperture(vec3(own), own.w);
+    return paramsOf(aperturaWithTwoCaps({}, {aperture, aperture, anti ? 1.0f : 0.0f, 0}));
 }
 LobeFit lobeOfAnti(const ModelParams& params) {
     LobeFit out;
     out.count = 1;
     const vec4 own = params[0];
-    out.lobes[0] = fromCap(combinationIn(params[2]).complement > 0.5f ? vec4(-vec3(own), 2 - own.w) : own, false);
+    out.lobes[0] = fromCap(aperturaCombinationIn(params[2]).complement > 0.5f ? vec4(-vec3(own), 2 - own.w) : own, false);
     return out;
 }
 
@@ -146,13 +146,13 @@ LobeFit lobesOfCaps(const ModelParams& params) {
 }
 
 ModelParams capAntiOf(const LobeFit& fit) {
-    auto cap = [&](int k) { return apertureIn(toCap(fit.lobes[k], false), vec3(0)); };
-    return paramsOf(withTwoCaps({}, {cap(0), cap(1), fit.complement ? 1.0f : 0.0f, 0}));
+    auto cap = [&](int k) { return aperturaApertureIn(toCap(fit.lobes[k], false), vec3(0)); };
+    return paramsOf(aperturaWithTwoCaps({}, {cap(0), cap(1), fit.complement ? 1.0f : 0.0f, 0}));
 }
 LobeFit lobesOfCapAnti(const ModelParams& params) {
     LobeFit out;
     out.count = 2;
-    out.complement = combinationIn(params[2]).complement > 0.5f;
+    out.complement = aperturaCombinationIn(params[2]).complement > 0.5f;
     for (int k = 0; k < 2; ++k) out.lobes[k] = fromCap(params[size_t(k)], false);
     return out;
 }
@@ -161,15 +161,15 @@ template <int K>
 ModelParams lobesOf(const LobeFit& fit) {
     ModelParams out{};
     for (int k = 0; k < K; ++k) out[size_t(k)] = fit.lobes[k];
-    out[K] = withCombination(vec4(0), {fit.complement ? 1.0f : 0.0f, float(fit.pairs)});
+    out[K] = aperturaWithCombination(vec4(0), {fit.complement ? 1.0f : 0.0f, float(fit.pairs)});
     return out;
 }
 template <int K>
 LobeFit lobesOfLobes(const ModelParams& params) {
     LobeFit out;
     out.count = K;
-    out.complement = combinationIn(params[K]).complement > 0.5f;
-    out.pairs = int(combinationIn(params[K]).pairs);
+    out.complement = aperturaCombinationIn(params[K]).complement > 0.5f;
+    out.pairs = int(aperturaCombinationIn(params[K]).pairs);
     for (int k = 0; k < K; ++k) out.lobes[k] = params[size_t(k)];
     return out;
 }
@@ -177,15 +177,15 @@ LobeFit lobesOfLobes(const ModelParams& params) {
 const LobeForm* lobeForm(int model) {
     using enum LobeFitSides;
     static const std::map<int, LobeForm> all{
-        {MODEL_ANTI, {Product, asCaps(1), antiOf, lobeOfAnti}},
-        {MODEL_FIRM_2, {Both, hardLobes(2, kHardSharpness), lobesOf<2>, lobesOfLobes<2>}},
-        {MODEL_SOFT_2, {Both, hardLobes(2, 0), lobesOf<2>, lobesOfLobes<2>}},
-        {MODEL_FIRM_3, {Both, hardLobes(3, kHardSharpness), lobesOf<3>, lobesOfLobes<3>}},
-        {MODEL_FIRM_4, {Both, hardLobes(4, kHardSharpness), lobesOf<4>, lobesOfLobes<4>}},
-        {MODEL_MULTI_2, {Complement, asCaps(2), capsOf<2>, lobesOfCaps<2>}},
-        {MODEL_MULTI_3, {Complement, asCaps(3), capsOf<3>, lobesOfCaps<3>}},
-        {MODEL_MULTI_4, {Complement, asCaps(4), capsOf<4>, lobesOfCaps<4>}},
-        {MODEL_CAP_ANTI, {Both, asCaps(2), capAntiOf, lobesOfCapAnti}},
+        {APERTURA_MODEL_ANTI, {Product, asCaps(1), antiOf, lobeOfAnti}},
+        {APERTURA_MODEL_FIRM_2, {Both, hardLobes(2, kHardSharpness), lobesOf<2>, lobesOfLobes<2>}},
+        {APERTURA_MODEL_SOFT_2, {Both, hardLobes(2, 0), lobesOf<2>, lobesOfLobes<2>}},
+        {APERTURA_MODEL_FIRM_3, {Both, hardLobes(3, kHardSharpness), lobesOf<3>, lobesOfLobes<3>}},
+        {APERTURA_MODEL_FIRM_4, {Both, hardLobes(4, kHardSharpness), lobesOf<4>, lobesOfLobes<4>}},
+        {APERTURA_MODEL_MULTI_2, {Complement, asCaps(2), capsOf<2>, lobesOfCaps<2>}},
+        {APERTURA_MODEL_MULTI_3, {Complement, asCaps(3), capsOf<3>, lobesOfCaps<3>}},
+        {APERTURA_MODEL_MULTI_4, {Complement, asCaps(4), capsOf<4>, lobesOfCaps<4>}},
+        {APERTURA_MODEL_CAP_ANTI, {Both, asCaps(2), capAntiOf, lobesOfCapAnti}},
     };
     const auto found = all.find(model);
     return found == all.end() ? nullptr : &found->second;
@@ -202,7 +202,7 @@ BakedPoint quadric(const FitTools&, const Samples& samples, const mat3&, const F
     fitOptions.steps = kLongSteps;
     const QuadricFit fit = fitQuadric(samples, bestLobe(samples, 0), fitOptions);
     const float* b = fit.bend;
-    return {project(samples), paramsOf(withQuadric({}, {vec3(fit.lobe), fit.lobe.w, vec4(b[0], b[1], b[2], b[3]), b[4]}))};
+    return {project(samples), paramsOf(aperturaWithQuadric({}, {vec3(fit.lobe), fit.lobe.w, vec4(b[0], b[1], b[2], b[3]), b[4]}))};
 }
 
 BakedPoint bands(const FitTools&, const Samples& samples, const mat3&, const FitOptions&) {
@@ -210,7 +210,7 @@ BakedPoint bands(const FitTools&, const Samples& samples, const mat3&, const Fit
     BakedPoint out{project(samples), {}};
     for (size_t i = 0; i < lattice.directions().size(); ++i) {
         if (!samples.isOpen(i)) continue;
-        const HighBands y = highBands(lattice.directions()[i]);
+        const AperturaHighBands y = aperturaHighBands(lattice.directions()[i]);
         for (int c = 0; c < 6; ++c) out.params[c] += float(lattice.solidAngle()) * y.c[c];
     }
     return out;
@@ -220,28 +220,28 @@ constexpr Recipe kRecipes[] = {
     {"sh", "sh", -1, -1, "the four coefficients of the visibility itself", fromSh},
     {"rays", "rays", -1, -1, "area and mean direction straight from the rays", fromRays},
     {"transfer", "transfer", -1, -1, "cosine-weighted transfer, as direct-lighting bakers give it, converted", fromTransfer},
-    {"sh-fit", "fit", -1, MODEL_SOFT, "the four coefficients of the best soft aperture", fittedSh},
-    {"sh-l2", "sh", MODEL_SH_L2, -1, "SH to band 2", bands},
-    {"sh-l4", "sh", MODEL_SH_L4, -1, "SH to band 4", bands},
-    {"anti", "fit", MODEL_ANTI, -1, "the better of one aperture and one anti-aperture", fittedLobes<MODEL_ANTI>},
-    {"firm-2", "fit", MODEL_FIRM_2, -1, "two hard-edged lobes", fittedLobes<MODEL_FIRM_2>},
-    {"soft-2", "fit", MODEL_SOFT_2, -1, "two soft lobes", fittedLobes<MODEL_SOFT_2>},
-    {"soft-l2", "fit", MODEL_SOFT_L2, -1, "a soft aperture with a quadratic exponent", quadric},
-    {"firm-3", "fit", MODEL_FIRM_3, -1, "three hard-edged lobes", fittedLobes<MODEL_FIRM_3>},
-    {"firm-4", "fit", MODEL_FIRM_4, -1, "four hard-edged lobes", fittedLobes<MODEL_FIRM_4>},
-    {"multi-2", "fit", MODEL_MULTI_2, -1, "two apertures", fittedLobes<MODEL_MULTI_2>},
-    {"multi-3", "fit", MODEL_MULTI_3, -1, "three apertures", fittedLobes<MODEL_MULTI_3>},
-    {"multi-4", "fit", MODEL_MULTI_4, -1, "four apertures", fittedLobes<MODEL_MULTI_4>},
-    {"cap-anti", "fit", MODEL_CAP_ANTI, -1, "two of aperture and anti-aperture", fittedLobes<MODEL_CAP_ANTI>},
-    {"horizon-4", "rays", MODEL_HORIZON_4, -1, "the horizon at 4 azimuths", horizon<4>},
-    {"horizon-8", "rays", MODEL_HORIZON_8, -1, "the horizon at 8 azimuths", horizon<8>},
-    {"horizon-16", "rays", MODEL_HORIZON_16, -1, "the horizon at 16 azimuths", horizon<16>},
-    {"horizon-32", "rays", MODEL_HORIZON_32, -1, "the horizon at 32 azimuths", horizon<32>},
-    {"cube-6", "fit", MODEL_CUBE_6, -1, "visibility as an ambient cube", ambientCube},
-    {"zh3", "sh", MODEL_ZH3, -1, "SH bands 0 and 1 and a zonal band 2", zonalBand},
-    {"bits-32", "rays", MODEL_BITS_32, -1, "32 sectors of the hemisphere as bits", sectors<4>},
-    {"bits-128", "rays", MODEL_BITS_128, -1, "128 sectors as bits", sectors<8>},
-    {"auto", "fit", MODEL_AUTO, -1, "the least model for each point", chooseModel},
+    {"sh-fit", "fit", -1, APERTURA_MODEL_SOFT, "the four coefficients of the best soft aperture", fittedSh},
+    {"sh-l2", "sh", APERTURA_MODEL_SH_L2, -1, "SH to band 2", bands},
+    {"sh-l4", "sh", APERTURA_MODEL_SH_L4, -1, "SH to band 4", bands},
+    {"anti", "fit", APERTURA_MODEL_ANTI, -1, "the better of one aperture and one anti-aperture", fittedLobes<APERTURA_MODEL_ANTI>},
+    {"firm-2", "fit", APERTURA_MODEL_FIRM_2, -1, "two hard-edged lobes", fittedLobes<APERTURA_MODEL_FIRM_2>},
+    {"soft-2", "fit", APERTURA_MODEL_SOFT_2, -1, "two soft lobes", fittedLobes<APERTURA_MODEL_SOFT_2>},
+    {"soft-l2", "fit", APERTURA_MODEL_SOFT_L2, -1, "a soft aperture with a quadratic exponent", quadric},
+    {"firm-3", "fit", APERTURA_MODEL_FIRM_3, -1, "three hard-edged lobes", fittedLobes<APERTURA_MODEL_FIRM_3>},
+    {"firm-4", "fit", APERTURA_MODEL_FIRM_4, -1, "four hard-edged lobes", fittedLobes<APERTURA_MODEL_FIRM_4>},
+    {"multi-2", "fit", APERTURA_MODEL_MULTI_2, -1, "two apertures", fittedLobes<APERTURA_MODEL_MULTI_2>},
+    {"multi-3", "fit", APERTURA_MODEL_MULTI_3, -1, "three apertures", fittedLobes<APERTURA_MODEL_MULTI_3>},
+    {"multi-4", "fit", APERTURA_MODEL_MULTI_4, -1, "four apertures", fittedLobes<APERTURA_MODEL_MULTI_4>},
+    {"cap-anti", "fit", APERTURA_MODEL_CAP_ANTI, -1, "two of aperture and anti-aperture", fittedLobes<APERTURA_MODEL_CAP_ANTI>},
+    {"horizon-4", "rays", APERTURA_MODEL_HORIZON_4, -1, "the horizon at 4 azimuths", horizon<4>},
+    {"horizon-8", "rays", APERTURA_MODEL_HORIZON_8, -1, "the horizon at 8 azimuths", horizon<8>},
+    {"horizon-16", "rays", APERTURA_MODEL_HORIZON_16, -1, "the horizon at 16 azimuths", horizon<16>},
+    {"horizon-32", "rays", APERTURA_MODEL_HORIZON_32, -1, "the horizon at 32 azimuths", horizon<32>},
+    {"cube-6", "fit", APERTURA_MODEL_CUBE_6, -1, "visibility as an ambient cube", ambientCube},
+    {"zh3", "sh", APERTURA_MODEL_ZH3, -1, "SH bands 0 and 1 and a zonal band 2", zonalBand},
+    {"bits-32", "rays", APERTURA_MODEL_BITS_32, -1, "32 sectors of the hemisphere as bits", sectors<4>},
+    {"bits-128", "rays", APERTURA_MODEL_BITS_128, -1, "128 sectors as bits", sectors<8>},
+    {"auto", "fit", APERTURA_MODEL_AUTO, -1, "the least model for each point", chooseModel},
 };
 
 }  // namespace
@@ -253,7 +253,7 @@ FitTools::FitTools(int rays, Use use) : lattice(rays), dictionary(lattice, use =
 const LobeForm* lobeFormOf(int model) { return lobeForm(model); }
 
 FitTools::Use useOf(const Recipe& recipe) {
-    if (recipe.model == MODEL_AUTO) return FitTools::Use::Choice;
+    if (recipe.model == APERTURA_MODEL_AUTO) return FitTools::Use::Choice;
     return recipe.source == "fit" && recipe.model >= 0 ? FitTools::Use::Fits : FitTools::Use::Samples;
 }
 

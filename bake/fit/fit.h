@@ -2,8 +2,8 @@
 // Turns the rays of one point into what each model stores of it.
 #include <string_view>
 
-#include "bake/fit/lobe_fit.h"
-#include "sh/models.h"
+#include "apertura/bake/fit/lobe_fit.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 

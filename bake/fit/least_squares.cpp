@@ -1,4 +1,4 @@
-#include "bake/fit/least_squares.h"
+#include "apertura/bake/fit/least_squares.h"
 
 #include <oneapi/tbb/parallel_for.h>
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sh/sh4.h"
+#include "apertura/sh/sh4.h"
 
 namespace apertura {
 

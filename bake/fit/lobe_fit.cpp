@@ -1,4 +1,4 @@
-#include "bake/fit/lobe_fit.h"
+#include "apertura/bake/fit/lobe_fit.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -10,8 +10,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "bake/fit/lobe_sums.h"
-#include "sh/shading.h"
+#include "apertura/bake/fit/lobe_sums.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 namespace {
@@ -55,7 +55,7 @@ struct Fitter {
         if constexpr (Hard)
             for (int k = 0; k < K; ++k) {
                 const glm::vec3 axis = glm::normalize(glm::vec3(p(1, k), p(2, k), p(3, k)));
-                out.tangents[2 * k] = tangentTo(axis);
+                out.tangents[2 * k] = aperturaTangentTo(axis);
                 out.tangents[2 * k + 1] = glm::cross(axis, out.tangents[2 * k]);
             }
         LobeSums<K, M, Hard> sums;
@@ -231,7 +231,7 @@ CapDictionary::Cap capWithout(const Cluster& cluster) { return {-cluster.centre,
 
 // Two caps whose intersection holds the cluster: a lens with its tips on the longer axis.
 std::array<CapDictionary::Cap, 2> lensAround(const Cluster& cluster) {
-    const glm::vec3 c = cluster.centre, u = tangentTo(c), v = glm::cross(c, u);
+    const glm::vec3 c = cluster.centre, u = aperturaTangentTo(c), v = glm::cross(c, u);
     const float uv = glm::dot(u, cluster.spread * v);
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> ellipse;
     ellipse.computeDirect(Eigen::Matrix2f{{glm::dot(u, cluster.spread * u), uv}, {uv, glm::dot(v, cluster.spread * v)}});

@@ -3,11 +3,11 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "bake/sampling/samples.h"
+#include "apertura/bake/sampling/samples.h"
 
 namespace apertura {
 
-// V(w) = the product of softStep(offset + dot(slope, w)), or 1 - that product. See combineLobes in shaders/several.glsl.
+// V(w) = the product of aperturaSoftStep(offset + dot(slope, w)), or 1 - that product. See aperturaCombineLobes in shaders/several.glsl.
 struct LobeFit {
     glm::vec4 lobes[4]{};  // xyz: slope, w: offset, in the lattice's frame: the normal is +Z
     int count = 0;
@@ -68,8 +68,8 @@ LobeFit improveLobes(const Samples& samples, const LobeFit& start, LobeFitOption
 // Improves one lobe of free sharpness from `start` (slope, offset).
 LobeFit improveLobe(const Samples& samples, const glm::vec4& start, const LobeFitOptions& options);
 
-// V(w) = softStep(offset + dot(slope, w) + w Q w), fitted from the lobe `start` (slope, offset). `bend`: Qxx, Qyy, Qxy,
-// Qxz, Qyz, as in SoftQuadric.
+// V(w) = aperturaSoftStep(offset + dot(slope, w) + w Q w), fitted from the lobe `start` (slope, offset). `bend`: Qxx, Qyy, Qxy,
+// Qxz, Qyz, as in AperturaSoftQuadric.
 struct QuadricFit {
     glm::vec4 lobe;
     float bend[5];

@@ -1,5 +1,5 @@
 #define APERTURA_LANES plain
-#include "bake/fit/lobe_sums.inc"
+#include "apertura/bake/fit/lobe_sums.inc"
 
 namespace apertura {
 

@@ -1,2 +1,2 @@
 #define APERTURA_LANES avx2
-#include "bake/fit/lobe_sums.inc"
+#include "apertura/bake/fit/lobe_sums.inc"

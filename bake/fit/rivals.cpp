@@ -1,11 +1,11 @@
-#include "bake/fit/rivals.h"
+#include "apertura/bake/fit/rivals.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "bake/sampling/occlusion.h"
+#include "apertura/bake/sampling/occlusion.h"
 
 namespace apertura {
 namespace {
@@ -17,7 +17,7 @@ float* flat(ModelParams& params) { return &params[0].x; }
 std::vector<double> elevations(const Samples& samples, const vec3& pole, std::span<const vec3> outwards, double lowest) {
     if (!samples.source) throw std::logic_error("a horizon needs samples that can ask for more directions");
     constexpr int kSteps = 64, kHalvings = 10;
-    const double highest = PI / 2, step = (highest - lowest) / kSteps;
+    const double highest = APERTURA_PI / 2, step = (highest - lowest) / kSteps;
     const auto at = [&](size_t i, double elevation) {
         return float(std::sin(elevation)) * pole + float(std::cos(elevation)) * outwards[i];
     };
@@ -59,17 +59,17 @@ double rounded(double x, int bits) {
 
 template <int Count>
 BakedPoint horizon(const FitTools&, const Samples& samples, const mat3& frame, const FitOptions& options) {
-    const vec3 pole = options.terrain ? vec3(0, 1, 0) : frame[2], tangent = azimuthZero(pole), side = cross(pole, tangent);
+    const vec3 pole = options.terrain ? vec3(0, 1, 0) : frame[2], tangent = aperturaAzimuthZero(pole), side = cross(pole, tangent);
     std::vector<vec3> outwards;
     for (int i = 0; i < Count; ++i) {
-        const double turn = 2 * double(PI) * i / Count;
+        const double turn = 2 * double(APERTURA_PI) * i / Count;
         outwards.push_back(float(std::cos(turn)) * tangent + float(std::sin(turn)) * side);
     }
     BakedPoint out{project(samples), {}};
-    const std::vector<double> found = elevations(samples, pole, outwards, options.terrain ? -PI / 2 : 0);
+    const std::vector<double> found = elevations(samples, pole, outwards, options.terrain ? -APERTURA_PI / 2 : 0);
     for (size_t i = 0; i < Count; ++i) {
         const double h = Count == 4 ? throughByte(std::sin(found[i])) : std::sin(found[i]);
-        flat(out.params)[i] = options.terrain ? float(h) + ABOUT_VERTICAL : float(std::max(h, 0.0));
+        flat(out.params)[i] = options.terrain ? float(h) + APERTURA_ABOUT_VERTICAL : float(std::max(h, 0.0));
     }
     return out;
 }
@@ -111,7 +111,7 @@ BakedPoint zonalBand(const FitTools&, const Samples& samples, const mat3&, const
     double sum = 0;
     for (size_t i = 0; i < lattice.directions().size(); ++i) {
         const double z = dot(axis, lattice.directions()[i]);
-        if (samples.isOpen(i)) sum += std::sqrt(5 / (16 * double(PI))) * (3 * z * z - 1);
+        if (samples.isOpen(i)) sum += std::sqrt(5 / (16 * double(APERTURA_PI))) * (3 * z * z - 1);
     }
     out.params[0].x = float(sum * lattice.solidAngle());
     return out;
@@ -121,18 +121,19 @@ template <int Rings>
 BakedPoint sectors(const FitTools&, const Samples& samples, const mat3& frame, const FitOptions&) {
     constexpr int count = 2 * Rings * Rings;
     const SampleLattice& lattice = *samples.lattice;
-    const vec3 normal = frame[2], tangent = azimuthZero(normal), side = cross(normal, tangent);
+    const vec3 normal = frame[2], tangent = aperturaAzimuthZero(normal), side = cross(normal, tangent);
     int open[count]{}, all[count]{};
     for (size_t i = 0; i < lattice.directions().size(); ++i) {
         const vec3 w = frame * lattice.directions()[i];
-        const int sector = sectorAt(Rings, dot(tangent, w), dot(side, w), lattice.directions()[i].z);
+        const int sector = aperturaSectorAt(Rings, dot(tangent, w), dot(side, w), lattice.directions()[i].z);
         ++all[sector];
         open[sector] += samples.isOpen(i);
     }
     BakedPoint out{project(samples), {}};
     for (int sector = 0; sector < count; ++sector) {
         if (all[sector] == 0) {  // fewer rays than sectors: what the nearest ray saw
-            const float z = 1 - (float(sector / (2 * Rings)) + 0.5f) / Rings, turn = PI * (float(sector % (2 * Rings)) + 0.5f) / Rings;
+            const float z = 1 - (float(sector / (2 * Rings)) + 0.5f) / Rings,
+                        turn = APERTURA_PI * (float(sector % (2 * Rings)) + 0.5f) / Rings;
             const vec3 middle = z * normal + std::sqrt(1 - z * z) * (std::cos(turn) * tangent + std::sin(turn) * side);
             size_t nearest = 0;
             for (size_t i = 0; i < lattice.directions().size(); ++i)
@@ -140,7 +141,7 @@ BakedPoint sectors(const FitTools&, const Samples& samples, const mat3& frame, c
             all[sector] = 1;
             open[sector] = samples.isOpen(nearest);
         }
-        if (2 * open[sector] >= all[sector]) flat(out.params)[sector / SECTOR_BITS] += float(1 << sector % SECTOR_BITS);
+        if (2 * open[sector] >= all[sector]) flat(out.params)[sector / APERTURA_SECTOR_BITS] += float(1 << sector % APERTURA_SECTOR_BITS);
     }
     return out;
 }

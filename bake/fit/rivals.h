@@ -1,6 +1,6 @@
 #pragma once
 // Turns the rays of one point into what the rivals store of it (shaders/rivals.glsl, shaders/horizon.glsl): the `make` of their recipes.
-#include "bake/fit/fit.h"
+#include "apertura/bake/fit/fit.h"
 
 namespace apertura {
 

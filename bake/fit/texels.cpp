@@ -1,4 +1,4 @@
-#include "bake/fit/texels.h"
+#include "apertura/bake/fit/texels.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -6,13 +6,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "bake/fit/face_unknowns.h"
-#include "bake/fit/least_squares.h"
-#include "bake/sampling/classes.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/png.h"
-#include "runtime/asset/tangents.h"
-#include "runtime/asset/texels.h"
+#include "apertura/bake/fit/face_unknowns.h"
+#include "apertura/bake/fit/least_squares.h"
+#include "apertura/bake/sampling/classes.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/png.h"
+#include "apertura/runtime/asset/tangents.h"
+#include "apertura/runtime/asset/texels.h"
 
 namespace apertura {
 namespace {
@@ -63,7 +63,7 @@ struct Texels {
 // Adds `weight` times the texels about a point of a triangle.
 void addPoint(std::vector<Term>& terms, const Surface& surface, size_t t, const glm::vec3& barycentrics, const glm::ivec2& size,
               float weight) {
-    const TexelCell cell = texelCell(surface, t, barycentrics, size.x, size.y);
+    const AperturaTexelCell cell = texelCell(surface, t, barycentrics, size.x, size.y);
     for (int c = 0; c < 4; ++c) {
         const auto texel = uint32_t(cell.texels[c]);
         const auto found = std::find_if(terms.begin(), terms.end(), [&](const Term& term) { return term.first == texel; });

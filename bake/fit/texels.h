@@ -1,7 +1,7 @@
 #pragma once
 // Visibility in images over texture coordinates, fitted so that what bilinear filtering makes of the texels is what was seen.
-#include "bake/fit/bake.h"
-#include "bake/sampling/probes.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/sampling/probes.h"
 
 namespace apertura {
 

@@ -1,4 +1,4 @@
-#include "bake/measure/appearance.h"
+#include "apertura/bake/measure/appearance.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -8,10 +8,10 @@
 #include <numbers>
 #include <set>
 
-#include "bake/measure/rows.h"
-#include "bake/sampling/directions.h"
-#include "bake/sampling/neighbours.h"
-#include "runtime/asset/receiver.h"
+#include "apertura/bake/measure/rows.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/neighbours.h"
+#include "apertura/runtime/asset/receiver.h"
 
 namespace apertura {
 namespace {
@@ -35,7 +35,7 @@ class Drawn {
 public:
     Drawn(const Asset& asset, const Model& model, int instance, int triangle, const glm::vec3& barycentrics, const glm::vec3& normal)
         : model_(model.id), receivers_(receiverAt(asset, model, instance, triangle, barycentrics, normal)) {}
-    double operator()(const CapLight& light) const {
+    double operator()(const AperturaCapLight& light) const {
         double sum = 0;
         for (const auto& [weight, receiver] : receivers_) sum += weight * modelValue(model_, receiver, light);
         return sum;
@@ -46,7 +46,9 @@ private:
     WeightedReceivers receivers_;
 };
 
-CapLight lightOf(const glm::vec3& direction, double degrees) { return capLight(direction, float(std::sin(degrees * pi / 180))); }
+AperturaCapLight lightOf(const glm::vec3& direction, double degrees) {
+    return aperturaCapLight(direction, float(std::sin(degrees * pi / 180)));
+}
 
 }  // namespace
 
@@ -126,8 +128,8 @@ void Appearance::addPatches(std::span<const SurfaceSample> receivers) {
         const StoredPoints& there = stored.try_emplace(receiver.instance, asset_.scene, size_t(receiver.instance), &faces).first->second;
         // The stored point of the receiver's cell that is nearest.
         const int level = faces.level(size_t(receiver.triangle));
-        LatticeCell cell{ivec3(0, 1, 2), receiver.weights};
-        if (level > 0) cell = latticeCell(receiver.weights, latticeSteps(level));
+        AperturaLatticeCell cell{ivec3(0, 1, 2), receiver.weights};
+        if (level > 0) cell = aperturaLatticeCell(receiver.weights, aperturaLatticeSteps(level));
         int nearest = 0;
         for (int c = 1; c < 3; ++c)
             if (cell.weights[c] > cell.weights[nearest]) nearest = c;

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "bake/sampling/surface_points.h"
-#include "bake/sampling/tracer.h"
-#include "runtime/asset/asset.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/bake/sampling/tracer.h"
+#include "apertura/runtime/asset/asset.h"
 
 namespace apertura {
 

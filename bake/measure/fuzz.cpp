@@ -1,4 +1,4 @@
-#include "bake/measure/fuzz.h"
+#include "apertura/bake/measure/fuzz.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "bake/fit/choose.h"
-#include "bake/sampling/directions.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/sampling/directions.h"
 
 namespace apertura {
 
@@ -49,11 +49,11 @@ FuzzInput fuzzInput(const Model& model, uint32_t seed, uint64_t index) {
     };
     out.receiver = params();
     if (model.mixes && unit() < 0.3) {
-        const Receiver other = params();
+        const AperturaReceiver other = params();
         const float t = among({0.0f, 0.5f, 0.25f, 1.0f});
         out.receiver.visibility = mix(out.receiver.visibility, other.visibility, t);
-        for (int k = 0; k < MAX_SLOTS; ++k) out.receiver.params[k] = mix(out.receiver.params[k], other.params[k], t);
-        out.receiver = renormalised(model.id, out.receiver);
+        for (int k = 0; k < APERTURA_MAX_SLOTS; ++k) out.receiver.params[k] = mix(out.receiver.params[k], other.params[k], t);
+        out.receiver = aperturaRenormalised(model.id, out.receiver);
     }
     out.light = vec4(light, sine);
     out.sound = std::abs(dot(normal, normal) - 1) < 1e-5f && std::abs(dot(light, light) - 1) < 1e-5f;
@@ -65,18 +65,20 @@ FuzzCount countFuzz(const Model& model, uint32_t seed, uint64_t inputs, const Fr
     const uint64_t batches = (inputs + batch - 1) / batch;
     std::vector<FuzzCount> counts(batches);
     auto judge = [](FuzzCount& count, float e, const FuzzInput& input) {
-        const CapLight light = capLight(vec3(input.light), input.light.w);
+        const AperturaCapLight light = aperturaCapLight(vec3(input.light), input.light.w);
         ++count.inputs;
         count.notFinite += !std::isfinite(e);
         count.outside += input.sound
                       && (e < -1e-6f * light.area
-                          || e > 1.006f * unoccludedIrradiance(input.receiver.normal, light, LIGHTS_ANY) + kAboveOne * light.area);
+                          || e > 1.006f * aperturaUnoccludedIrradiance(input.receiver.normal, light, APERTURA_LIGHTS_ANY)
+                                     + kAboveOne * light.area);
     };
     auto onProcessor = [&](uint64_t b) {
         for (uint64_t i = b * batch; i < std::min(inputs, (b + 1) * batch); ++i) {
             const FuzzInput input = fuzzInput(model, seed, i);
             judge(counts[b],
-                  irradianceThrough(model.id, input.receiver, capLight(vec3(input.light), input.light.w), lightClassOf(input.light.w)),
+                  aperturaIrradianceThrough(model.id, input.receiver, aperturaCapLight(vec3(input.light), input.light.w),
+                                            lightClassOf(input.light.w)),
                   input);
         }
     };
@@ -87,7 +89,7 @@ FuzzCount countFuzz(const Model& model, uint32_t seed, uint64_t inputs, const Fr
             const FuzzInput input = fuzzInput(model, seed, i);
             const auto lightClass = size_t(lightClassOf(input.light.w));
             Evaluation e{vec4(input.receiver.normal, 0), input.light, input.receiver.visibility, {}};
-            std::copy_n(input.receiver.params, MAX_SLOTS, e.params);
+            std::copy_n(input.receiver.params, APERTURA_MAX_SLOTS, e.params);
             frames[lightClass].push_back(e);
             all[lightClass].push_back(input);
         }

@@ -1,6 +1,6 @@
 #pragma once
 // Evaluates models on inputs that no asset should hold.
-#include "bake/measure/stability.h"
+#include "apertura/bake/measure/stability.h"
 
 namespace apertura {
 
@@ -8,7 +8,7 @@ namespace apertura {
 // of zero, of a hemisphere and beyond, numbers at the ends of a byte's range, mixed parameters of two points, lights of
 // any size.
 struct FuzzInput {
-    Receiver receiver;
+    AperturaReceiver receiver;
     vec4 light;  // axis and sine of the radius, as Evaluation::light
     bool sound;  // normal and light are unit: the result must lie between 0 and the unblocked light's
 };

@@ -1,4 +1,4 @@
-#include "bake/measure/measure.h"
+#include "apertura/bake/measure/measure.h"
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -9,13 +9,13 @@
 #include <numbers>
 #include <optional>
 
-#include "bake/fit/bake.h"
-#include "bake/fit/choose.h"
-#include "bake/measure/appearance.h"
-#include "bake/measure/rows.h"
-#include "bake/sampling/progress.h"
-#include "runtime/asset/receiver.h"
-#include "sh/packing.h"
+#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/measure/appearance.h"
+#include "apertura/bake/measure/rows.h"
+#include "apertura/bake/sampling/progress.h"
+#include "apertura/runtime/asset/receiver.h"
+#include "apertura/sh/packing.h"
 
 namespace apertura {
 namespace {
@@ -50,27 +50,29 @@ double bytesOf(const Model& model, const Recipe& recipe) {
 double chosenNumbers(const Asset& asset) {
     double sum = 0, count = 0;
     for (const SeenByInstance& seen : asset.seen)
-        for (const ModelParams& params : seen.allParams) sum += chosenModel(models()[MODEL_AUTO], params).numbers, ++count;
+        for (const ModelParams& params : seen.allParams) sum += chosenModel(models()[APERTURA_MODEL_AUTO], params).numbers, ++count;
     return sum / std::max(count, 1.0);
 }
 
-const Model& apertureModel() { return models()[MODEL_APERTURE]; }
+const Model& apertureModel() { return models()[APERTURA_MODEL_APERTURE]; }
 
-std::vector<Receiver> receiversFrom(const LitReceivers& lit, const std::vector<Visibility>& visibility) {
-    std::vector<Receiver> out;
+std::vector<AperturaReceiver> receiversFrom(const LitReceivers& lit, const std::vector<Visibility>& visibility) {
+    std::vector<AperturaReceiver> out;
     for (size_t i = 0; i < visibility.size(); ++i) out.push_back(toReceiver(apertureModel(), visibility[i], lit.points[i].at.normal));
     return out;
 }
 
-Aperture apertureOf(const Receiver& receiver) { return makeAperture(vec3(receiver.params[0]), receiver.params[0].w); }
+AperturaAperture apertureOf(const AperturaReceiver& receiver) {
+    return aperturaMakeAperture(vec3(receiver.params[0]), receiver.params[0].w);
+}
 
-PathRow comparePath(const LitReceivers& lit, const std::string& stage, const std::string& source, const std::vector<Receiver>& reference,
-                    const std::vector<Receiver>& changed) {
+PathRow comparePath(const LitReceivers& lit, const std::string& stage, const std::string& source,
+                    const std::vector<AperturaReceiver>& reference, const std::vector<AperturaReceiver>& changed) {
     PathRow row{stage, source};
     double lights = 0, axes = 0;
     for (size_t i = 0; i < reference.size(); ++i) {
-        const Aperture a = apertureOf(reference[i]), b = apertureOf(changed[i]);
-        const double radius = (double(capRadius(b.height)) - capRadius(a.height)) * 180 / pi;
+        const AperturaAperture a = apertureOf(reference[i]), b = apertureOf(changed[i]);
+        const double radius = (double(aperturaCapRadius(b.height)) - aperturaCapRadius(a.height)) * 180 / pi;
         row.radiusRms += radius * radius;
         row.radiusMax = std::max(row.radiusMax, std::abs(radius));
         if (a.height > 1e-4f) {  // a closed point has no direction
@@ -80,8 +82,9 @@ PathRow comparePath(const LitReceivers& lit, const std::string& stage, const std
             ++axes;
         }
         for (const glm::vec3& l : lit.lights[i]) {
-            const CapLight light = capLight(l, float(std::sin(kPathRadius * pi / 180)));
-            const double e = modelValue(MODEL_APERTURE, changed[i], light) - modelValue(MODEL_APERTURE, reference[i], light);
+            const AperturaCapLight light = aperturaCapLight(l, float(std::sin(kPathRadius * pi / 180)));
+            const double e = modelValue(APERTURA_MODEL_APERTURE, changed[i], light)
+                           - modelValue(APERTURA_MODEL_APERTURE, reference[i], light);
             row.irradianceRms += e * e;
             ++lights;
         }
@@ -103,19 +106,19 @@ Visibility shThroughBytes(const Visibility& v) {
 }
 
 // Rounds an aperture's axis and radius to bytes.
-Receiver apertureThroughBytes(Receiver receiver) {
-    Aperture a = apertureOf(receiver);
+AperturaReceiver apertureThroughBytes(AperturaReceiver receiver) {
+    AperturaAperture a = apertureOf(receiver);
     for (int i = 0; i < 3; ++i) a.axis[i] = throughByte(a.axis[i], 1);
     a.axis = glm::normalize(a.axis);
-    const float radius = (throughByte(capRadius(a.height) * 4 / float(pi) - 1, 1) + 1) * float(pi) / 4;
+    const float radius = (throughByte(aperturaCapRadius(a.height) * 4 / float(pi) - 1, 1) + 1) * float(pi) / 4;
     receiver.params[0] = vec4(a.axis, 1 - std::cos(radius));
-    return renormalised(MODEL_APERTURE, receiver);
+    return aperturaRenormalised(APERTURA_MODEL_APERTURE, receiver);
 }
 
 std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, const LitReceivers& lit, const std::vector<Visibility>& sh,
                                   const std::vector<Visibility>& rays, const std::vector<Visibility>& transfer, const BakeOptions& bake,
                                   const Progress& progress) {
-    const std::vector<Receiver> reference = receiversFrom(lit, sh);
+    const std::vector<AperturaReceiver> reference = receiversFrom(lit, sh);
     std::vector<PathRow> out;
     out.push_back(comparePath(lit, "at the receiver, unquantised: the same by construction", "rays", reference, receiversFrom(lit, rays)));
     out.push_back(
@@ -129,9 +132,9 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
     out.push_back(comparePath(lit, "the asset's 4 bytes", "sh", reference, through([](const Visibility& v) { return unpack(pack8(v)); })));
     out.push_back(comparePath(lit, "the asset's 8 bytes", "sh", reference, through([](const Visibility& v) { return unpack(pack16(v)); })));
     out.push_back(comparePath(lit, "4 bytes of raw coefficients", "sh", reference, through(shThroughBytes)));
-    std::vector<Receiver> packed;
+    std::vector<AperturaReceiver> packed;
     packed.reserve(reference.size());
-    for (const Receiver& r : reference) packed.push_back(apertureThroughBytes(r));
+    for (const AperturaReceiver& r : reference) packed.push_back(apertureThroughBytes(r));
     out.push_back(comparePath(lit, "4 bytes of axis and radius", "rays", reference, packed));
 
     // Visibility at the corners of each receiver's triangle, with the receiver's own normal; to be interpolated.
@@ -141,7 +144,7 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
             corners.push_back({glm::mix(corner, p.at.position, 0.01), p.at.normal, p.at.longest});
     const std::vector<BakedPoint> at = bakePoints(RayOcclusion(tracer), corners, bake, progress);
     auto mixed = [&](bool even, bool coefficients) {
-        std::vector<Receiver> receivers;
+        std::vector<AperturaReceiver> receivers;
         for (size_t i = 0; i < lit.points.size(); ++i) {
             const glm::vec3 w = even ? glm::vec3(1 / 3.0f) : lit.points[i].weights, n = lit.points[i].at.normal;
             Visibility sum;
@@ -153,7 +156,7 @@ std::vector<PathRow> comparePaths(const Scene& scene, const Tracer& tracer, cons
                 mix += w[c] * toParams(apertureModel(), v, nullptr, n)[0];
             }
             receivers.push_back(coefficients ? toReceiver(apertureModel(), sum, n)
-                                             : renormalised(MODEL_APERTURE, toReceiver(sum, {mix}, n)));
+                                             : aperturaRenormalised(APERTURA_MODEL_APERTURE, toReceiver(sum, {mix}, n)));
         }
         return receivers;
     };
@@ -184,13 +187,13 @@ ModelReceivers receiversOf(const Recipe& recipe, const Model& model, std::span<c
         const ModelParams* stored = recipe.model >= 0 ? &p.params : nullptr;
         made.receivers.push_back(
             {{1.0f, toReceiver(p.visibility, toParams(model, p.visibility, stored, points[i].normal), points[i].normal)}});
-        if (model.id != MODEL_AUTO) continue;
+        if (model.id != APERTURA_MODEL_AUTO) continue;
         const Model& own = chosenModel(model, p.params);
         chosen += own.numbers;
         bytes += storedNumbers(own);
-        missed += choiceIn(p.params[CHOICE_SLOT]).outOfReach;
+        missed += aperturaChoiceIn(p.params[APERTURA_CHOICE_SLOT]).outOfReach;
     }
-    if (model.id == MODEL_AUTO) {
+    if (model.id == APERTURA_MODEL_AUTO) {
         made.numbers = chosen / double(points.size());
         made.bytes = 5 + bytes / double(points.size());  // four, one for the choice, and the chosen model's own
         unreached = missed / double(points.size());
@@ -219,7 +222,7 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
         if (auto models = modelsOf(recipe, options); !models.empty()) wanted.emplace_back(&recipe, models);
     const FitTools tools(options.rays);
     FitOptions fitOptions{.tolerance = options.tolerance, .terrain = scene.isTerrain};
-    if (asked(options, models()[MODEL_AUTO]))
+    if (asked(options, models()[APERTURA_MODEL_AUTO]))
         fitOptions.lambda = planAuto(occlusion, points, tools, bake, options.tolerance, part(progress, 0.6, 0.7)).lambda;
     std::vector<std::vector<BakedPoint>> baked(wanted.size(), std::vector<BakedPoint>(points.size()));
     std::vector<Visibility> sh(points.size()), rays(points.size()), transfer(points.size());
@@ -265,7 +268,7 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
     for (const Model& model : models()) {
         const bool stored = storedOne == &model;
         if ((!stored && !model.fromVisibility) || !asked(options, model)) continue;
-        const bool four = baked && (stored || baked->model < 0 || baked->model == MODEL_AUTO);
+        const bool four = baked && (stored || baked->model < 0 || baked->model == APERTURA_MODEL_AUTO);
         wanted.emplace_back(four ? baked : &recipeNamed("sh"), &model);
     }
     std::vector<const Recipe*> recipes{&recipeNamed("sh")};
@@ -277,7 +280,7 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
     bake.rays = options.rays;
     bake.seed = options.seed;
     bake.price = fitOptions.price;
-    if (baked && baked->model == MODEL_AUTO)
+    if (baked && baked->model == APERTURA_MODEL_AUTO)
         fitOptions.lambda = planAuto(occlusion, points, tools, bake, asset.info.tolerance, part(progress, 0.8, 0.85)).lambda;
     std::vector<std::vector<BakedPoint>> own(recipes.size(), std::vector<BakedPoint>(points.size()));
     samplePoints(occlusion, points, tools.lattice, options.seed, 0, part(progress, 0.85, 0.9),
@@ -300,7 +303,7 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
     for (const auto& [recipe, model] : wanted) {
         const bool stored = storedOne == model;
         ModelReceivers made{model, std::string(recipe->source), double(model->numbers), bytesAPoint(asset), {}};
-        if (stored && model->id == MODEL_AUTO) made.numbers = chosenNumbers(asset);
+        if (stored && model->id == APERTURA_MODEL_AUTO) made.numbers = chosenNumbers(asset);
         if (stored && model->fromVisibility) made.numbers = storedNumbers(*model);
         for (const SurfaceSample& p : lit.points)
             made.receivers.push_back(receiverAt(asset, *model, p.instance, p.triangle, p.weights, p.at.normal));

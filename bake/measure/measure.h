@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "bake/measure/truth.h"
-#include "runtime/asset/asset.h"
-#include "sh/models.h"
+#include "apertura/bake/measure/truth.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 

@@ -1,4 +1,4 @@
-#include "bake/measure/reference.h"
+#include "apertura/bake/measure/reference.h"
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -7,8 +7,8 @@
 #include <numbers>
 #include <optional>
 
-#include "bake/sampling/directions.h"
-#include "bake/sampling/vertices.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/vertices.h"
 
 namespace apertura {
 namespace {
@@ -24,10 +24,10 @@ public:
         const std::optional<Hit> hit = tracer_.nearest(eye, direction);
         if (!hit) return view_.sky;
         const glm::dvec3 origin = rayOrigin(tracer_, {hit->at.position, hit->at.normal});
-        std::vector<CapLight> caps;
+        std::vector<AperturaCapLight> caps;
         glm::vec3 irradiance(0);
         for (const Light& light : view_.lights) {
-            const CapLight cap = capSeenFrom(hit->at.position, light, LIGHTS_ANY);
+            const AperturaCapLight cap = capSeenFrom(hit->at.position, light, APERTURA_LIGHTS_ANY);
             irradiance += fromLight(light, cap, origin, hit->at.normal, sample, caps.size());
             caps.push_back(cap);
         }
@@ -36,7 +36,7 @@ public:
     }
 
 private:
-    glm::vec3 fromLight(const Light& light, const CapLight& cap, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample,
+    glm::vec3 fromLight(const Light& light, const AperturaCapLight& cap, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample,
                         size_t index) {
         const glm::mat3 frame = frameFromZ(cap.axis, 2 * pi * hashUnit(options_.seed, sample, 2 + index));
         rays_.clear();
@@ -58,7 +58,7 @@ private:
     }
 
     // Irradiance from the sky, which the lights hide where they stand.
-    glm::vec3 fromSky(const std::vector<CapLight>& caps, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample) {
+    glm::vec3 fromSky(const std::vector<AperturaCapLight>& caps, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample) {
         const glm::mat3 frame = frameFromZ(normal, 2 * pi * hashUnit(options_.seed, sample, 1));
         rays_.clear();
         for (const glm::vec3& w : sky_) rays_.push_back(frame * w);
@@ -67,13 +67,13 @@ private:
     }
 
     // Sum of the cosines to the normal of those rays_ that are unblocked over their reach_ and lie in no cap of `skip`.
-    double openCosines(const glm::dvec3& origin, const glm::vec3& normal, const std::vector<CapLight>& skip) {
+    double openCosines(const glm::dvec3& origin, const glm::vec3& normal, const std::vector<AperturaCapLight>& skip) {
         blocked_.resize(rays_.size());
         tracer_.occluded(origin, rays_, reach_, blocked_.data());
         double sum = 0;
         for (size_t i = 0; i < rays_.size(); ++i) {
             bool counts = !blocked_[i];
-            for (const CapLight& cap : skip) counts = counts && glm::dot(rays_[i], cap.axis) < 1 - cap.height;
+            for (const AperturaCapLight& cap : skip) counts = counts && glm::dot(rays_[i], cap.axis) < 1 - cap.height;
             if (counts) sum += glm::dot(rays_[i], normal);
         }
         return sum;

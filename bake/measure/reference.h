@@ -1,8 +1,8 @@
 #pragma once
-#include "bake/sampling/progress.h"
-#include "bake/sampling/tracer.h"
-#include "runtime/asset/picture.h"
-#include "runtime/asset/view.h"
+#include "apertura/bake/sampling/progress.h"
+#include "apertura/bake/sampling/tracer.h"
+#include "apertura/runtime/asset/picture.h"
+#include "apertura/runtime/asset/view.h"
 
 namespace apertura {
 

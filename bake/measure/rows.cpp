@@ -1,4 +1,4 @@
-#include "bake/measure/rows.h"
+#include "apertura/bake/measure/rows.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -7,9 +7,9 @@
 #include <functional>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/view.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/view.h"
 
 namespace apertura {
 namespace {
@@ -19,7 +19,7 @@ constexpr int kBackRays = 64;        // by which a receiver is found to be burie
 constexpr double kLeakCosine = 0.1;  // leaks count for lights whose cosine to the normal is above this
 
 // E / (L pi sin^2 r) that a model or a baseline has for light k of receiver i.
-using ValueOf = std::function<double(size_t i, size_t k, const CapLight& light)>;
+using ValueOf = std::function<double(size_t i, size_t k, const AperturaCapLight& light)>;
 
 // Fills in the errors of a row for its light radius, the r-th of the options.
 void measureRow(const LitReceivers& lit, size_t r, const ValueOf& valueOf, MeasureRow& row) {
@@ -27,7 +27,7 @@ void measureRow(const LitReceivers& lit, size_t r, const ValueOf& valueOf, Measu
     std::vector<std::vector<double>> errors(n);
     tbb::parallel_for(size_t(0), n, [&](size_t i) {
         for (size_t k = 0; k < lit.lights[i].size(); ++k) {
-            const CapLight light = capLight(lit.lights[i][k], float(std::sin(row.lightRadius * pi / 180)));
+            const AperturaCapLight light = aperturaCapLight(lit.lights[i][k], float(std::sin(row.lightRadius * pi / 180)));
             errors[i].push_back(valueOf(i, k, light) - lit.truth[i][r][k].mean());
         }
     });
@@ -80,7 +80,7 @@ MeasureRow newRow(const LitReceivers& lit, std::string model, std::string source
 // The shadow map of the renderer, each of its texels filled by a ray from where the light comes in.
 class TracedShadowMap : public ShadowDepths {
 public:
-    TracedShadowMap(const Tracer& tracer, const ShadowView& view)
+    TracedShadowMap(const Tracer& tracer, const AperturaShadowView& view)
         : tracer_(tracer), view_(view), toWorld_(glm::inverse(glm::dmat4(view.toLight))) {}
     float at(ivec2 texel) const override {
         const glm::dvec2 clip = 2.0 * (glm::dvec2(texel) + 0.5) / double(view_.shape.y) - 1.0;
@@ -91,7 +91,7 @@ public:
 
 private:
     const Tracer& tracer_;
-    const ShadowView& view_;
+    const AperturaShadowView& view_;
     glm::dmat4 toWorld_;
 };
 
@@ -140,14 +140,14 @@ void addRows(const LitReceivers& lit, const ModelReceivers& made, const std::vec
     };
     for (size_t r = 0; r < options.lightRadii.size(); ++r) {
         MeasureRow row = newRow(lit, std::string(made.model->name), made.source, options.lightRadii[r], truth, [&](size_t i) {
-            return sum(i, [&](const Receiver& receiver) { return skyIrradiance(made.model->id, receiver); });
+            return sum(i, [&](const AperturaReceiver& receiver) { return aperturaSkyIrradiance(made.model->id, receiver); });
         });
         row.numbers = made.numbers;
         row.bytes = made.bytes;
         measureRow(
             lit, r,
-            [&](size_t i, size_t, const CapLight& light) {
-                return sum(i, [&](const Receiver& receiver) { return modelValue(made.model->id, receiver, light); });
+            [&](size_t i, size_t, const AperturaCapLight& light) {
+                return sum(i, [&](const AperturaReceiver& receiver) { return modelValue(made.model->id, receiver, light); });
             },
             row);
         rows.push_back(row);
@@ -167,13 +167,13 @@ void addShadowRows(const LitReceivers& lit, const Tracer& tracer, const Box& bou
         row.texelsPerMetre = texels / lights;
         measureRow(
             lit, r,
-            [&](size_t i, size_t k, const CapLight& light) {
+            [&](size_t i, size_t k, const AperturaCapLight& light) {
                 const SurfacePoint& at = lit.points[i].at;
-                const ShadowView view = shadowViewOf({light, vec4(0), vec4(1)}, bounds);
-                const double open = irradianceAboveHorizon(at.normal, light) / light.area;
+                const AperturaShadowView view = shadowViewOf({light, vec4(0), vec4(1)}, bounds);
+                const double open = aperturaIrradianceAboveHorizon(at.normal, light) / light.area;
                 if (open <= 0) return 0.0;
                 const auto turn = float(2 * pi * hashUnit(options.seed, i, 1000 + k));
-                return open * openInShadowMap(TracedShadowMap(tracer, view), view, vec3(at.position), at.normal, turn);
+                return open * aperturaOpenInShadowMap(TracedShadowMap(tracer, view), view, vec3(at.position), at.normal, turn);
             },
             row);
         rows.push_back(row);

@@ -1,13 +1,13 @@
 #pragma once
 // What models and baselines make of lit receivers, against the truth: the rows of a Measurement.
-#include "bake/measure/measure.h"
-#include "bake/measure/truth.h"
+#include "apertura/bake/measure/measure.h"
+#include "apertura/bake/measure/truth.h"
 
 namespace apertura {
 
 // The model's E / (L pi sin^2 r).
-inline float modelValue(int model, const Receiver& receiver, const CapLight& light) {
-    return irradianceThrough(model, receiver, light, lightClassOf(light.sinRadius)) / light.area;
+inline float modelValue(int model, const AperturaReceiver& receiver, const AperturaCapLight& light) {
+    return aperturaIrradianceThrough(model, receiver, light, lightClassOf(light.sinRadius)) / light.area;
 }
 
 // The receivers of a scene, their lights, and the truth for each radius.
@@ -36,7 +36,7 @@ struct ModelReceivers {
     const Model* model;
     std::string source;
     double numbers, bytes;
-    std::vector<std::vector<std::pair<float, Receiver>>> receivers;
+    std::vector<std::vector<std::pair<float, AperturaReceiver>>> receivers;
 };
 
 // Appends a row for each light radius. `truth`: what each receiver sees, for the sky.

@@ -1,14 +1,14 @@
-#include "bake/measure/scene_steps.h"
+#include "apertura/bake/measure/scene_steps.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "bake/fit/choose.h"
-#include "bake/fit/fit.h"
-#include "bake/measure/truth.h"
-#include "bake/sampling/directions.h"
-#include "bake/sampling/occlusion.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/fit/fit.h"
+#include "apertura/bake/measure/truth.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/occlusion.h"
 
 namespace apertura {
 
@@ -49,7 +49,7 @@ void forArcs(const glm::mat3& frame, uint32_t seed, size_t index, double degrees
         const double turn = pi * (hashUnit(seed, index, 7) + 0.5 * arc);
         bool first = true;
         for (double a = -pi / 2 - 1.2 * radius; a < pi / 2 + 1.2 * radius; a += step, first = false)
-            use(capLight(frame * vec3(tilted(a, turn)), float(std::sin(radius))), first);
+            use(aperturaCapLight(frame * vec3(tilted(a, turn)), float(std::sin(radius))), first);
     }
 }
 
@@ -58,19 +58,21 @@ void forArcs(const glm::mat3& frame, uint32_t seed, size_t index, double degrees
 std::vector<SceneSteps> measureSceneSteps(const Scene& scene, const std::vector<const Model*>& asked, int receivers, int rays,
                                           uint32_t seed, const std::vector<double>& radii, const Progress& progress) {
     std::vector<std::vector<double>> largest(size_t(receivers), std::vector<double>(asked.size() * radii.size()));
-    forReceivers(scene, asked, receivers, rays, seed, progress, [&](size_t i, const glm::mat3& frame, size_t m, const Receiver& receiver) {
-        for (size_t r = 0; r < radii.size(); ++r) {
-            const double step = std::min(radii[r] * kDegree / 6, kDegree);
-            double before = 0;
-            forArcs(frame, seed, i, radii[r], step, [&](const CapLight& light, bool first) {
-                const double value = double(irradianceThrough(asked[m]->id, receiver, light, lightClassOf(light.sinRadius))) / light.area;
-                double& most = largest[i][m * radii.size() + r];
-                if (!first)
-                    most = std::isfinite(value) ? std::max(most, std::abs(value - before) / stepBound(step, radii[r] * kDegree)) : 1e30;
-                before = value;
-            });
-        }
-    });
+    forReceivers(
+        scene, asked, receivers, rays, seed, progress, [&](size_t i, const glm::mat3& frame, size_t m, const AperturaReceiver& receiver) {
+            for (size_t r = 0; r < radii.size(); ++r) {
+                const double step = std::min(radii[r] * kDegree / 6, kDegree);
+                double before = 0;
+                forArcs(frame, seed, i, radii[r], step, [&](const AperturaCapLight& light, bool first) {
+                    const double value = double(aperturaIrradianceThrough(asked[m]->id, receiver, light, lightClassOf(light.sinRadius)))
+                                       / light.area;
+                    double& most = largest[i][m * radii.size() + r];
+                    if (!first)
+                        most = std::isfinite(value) ? std::max(most, std::abs(value - before) / stepBound(step, radii[r] * kDegree)) : 1e30;
+                    before = value;
+                });
+            }
+        });
     std::vector<SceneSteps> out;
     for (size_t m = 0; m < asked.size(); ++m)
         for (size_t r = 0; r < radii.size(); ++r) {
@@ -87,11 +89,11 @@ std::vector<HalfError> measureHalf(const std::vector<Scene>& scenes, const std::
     std::vector<std::vector<Evaluation>> lights(scenes.size() * places * kinds);
     for (size_t s = 0; s < scenes.size(); ++s)
         forReceivers(scenes[s], asked, receivers, rays, seed, {},
-                     [&](size_t i, const glm::mat3& frame, size_t m, const Receiver& receiver) {
+                     [&](size_t i, const glm::mat3& frame, size_t m, const AperturaReceiver& receiver) {
                          for (size_t r = 0; r < radii.size(); ++r)
-                             forArcs(frame, seed, i, radii[r], 2 * kDegree, [&](const CapLight& light, bool) {
+                             forArcs(frame, seed, i, radii[r], 2 * kDegree, [&](const AperturaCapLight& light, bool) {
                                  Evaluation e{vec4(receiver.normal, 0), vec4(light.axis, light.sinRadius), receiver.visibility, {}};
-                                 std::copy_n(receiver.params, MAX_SLOTS, e.params);
+                                 std::copy_n(receiver.params, APERTURA_MAX_SLOTS, e.params);
                                  lights[(s * places + i) * kinds + m * radii.size() + r].push_back(e);
                              });
                      });
@@ -105,10 +107,10 @@ std::vector<HalfError> measureHalf(const std::vector<Scene>& scenes, const std::
         const std::vector<float> found = half(model.id, lightClass, all);
         double sum = 0;
         for (size_t k = 0; k < all.size(); ++k) {
-            const CapLight light = capLight(vec3(all[k].light), all[k].light.w);
-            Receiver receiver{vec3(all[k].normal), all[k].visibility, {}};
-            std::copy_n(all[k].params, MAX_SLOTS, receiver.params);
-            const double e = (double(found[k]) - irradianceThrough(model.id, receiver, light, lightClass)) / light.area;
+            const AperturaCapLight light = aperturaCapLight(vec3(all[k].light), all[k].light.w);
+            AperturaReceiver receiver{vec3(all[k].normal), all[k].visibility, {}};
+            std::copy_n(all[k].params, APERTURA_MAX_SLOTS, receiver.params);
+            const double e = (double(found[k]) - aperturaIrradianceThrough(model.id, receiver, light, lightClass)) / light.area;
             ++row.lights;
             row.notFinite += !std::isfinite(e);
             if (!std::isfinite(e)) continue;

@@ -4,9 +4,9 @@
 //   receivers  points per scene
 //   rays       per receiver, to compute the models from
 //   radii      of the lights, degrees
-#include "bake/measure/stability.h"
-#include "bake/sampling/progress.h"
-#include "runtime/asset/scene.h"
+#include "apertura/bake/measure/stability.h"
+#include "apertura/bake/sampling/progress.h"
+#include "apertura/runtime/asset/scene.h"
 
 namespace apertura {
 

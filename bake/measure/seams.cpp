@@ -1,4 +1,4 @@
-#include "bake/measure/seams.h"
+#include "apertura/bake/measure/seams.h"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <map>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
-#include "runtime/asset/receiver.h"
-#include "sh/shading.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/runtime/asset/receiver.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 namespace {
@@ -80,12 +80,12 @@ std::vector<Seam> measureSeams(const Asset& asset, const std::vector<const Model
                     }
                     const glm::mat3 frame = frameFromZ(normal, 2 * std::numbers::pi * hashUnit(seed, e, 2));
                     for (const glm::vec3& l : lights) {
-                        const CapLight light = capLight(frame * l, sinRadius);
+                        const AperturaCapLight light = aperturaCapLight(frame * l, sinRadius);
                         double jump = 0;
                         for (int s = 0; s < 2; ++s)
                             for (const auto& [share, receiver] : receivers[s])
-                                jump += (s ? -1 : 1) * share * irradianceThrough(model->id, receiver, light, lightClassOf(sinRadius))
-                                      / light.area;
+                                jump += (s ? -1 : 1) * share
+                                      * aperturaIrradianceThrough(model->id, receiver, light, lightClassOf(sinRadius)) / light.area;
                         seam.max = std::max(seam.max, std::abs(jump));
                         sum += jump * jump, ++count;
                     }

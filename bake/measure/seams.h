@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/asset/asset.h"
+#include "apertura/runtime/asset/asset.h"
 
 namespace apertura {
 

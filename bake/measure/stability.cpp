@@ -1,4 +1,4 @@
-#include "bake/measure/stability.h"
+#include "apertura/bake/measure/stability.h"
 
 #include <algorithm>
 #include <array>
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "bake/fit/choose.h"
-#include "bake/sampling/directions.h"
-#include "bake/sampling/occlusion.h"
-#include "sh/cap_reference.h"
+#include "apertura/bake/fit/choose.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/occlusion.h"
+#include "apertura/sh/cap_reference.h"
 
 namespace apertura {
 namespace {
@@ -38,7 +38,7 @@ double exactThroughCap(const SweepFrame& f) {
     return share({{f.aperture, f.apertureRadius}, {f.light, f.lightRadius}}, kUp, f.lightRadius);
 }
 
-double exactInModel(const Model& any, const Receiver& r, const dvec3& light, double radius) {
+double exactInModel(const Model& any, const AperturaReceiver& r, const dvec3& light, double radius) {
     const dvec3 n(r.normal);
     const Model& model = chosenModel(any, paramsOf(r));
     const ExactCap lit{light, radius};
@@ -47,11 +47,11 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
     const double open = share({lit}, n, radius);
     switch (model.kind) {
         case ModelKind::Area: return open * std::min(double(r.visibility.w) / (2 * pi), 1.0);
-        case ModelKind::Aperture: return opacityIn(r) * through(0);
-        case ModelKind::Anti: return through(0) + double(twoCapsIn(r).weight) * (open - through(1) - through(0));
+        case ModelKind::Aperture: return aperturaOpacityIn(r) * through(0);
+        case ModelKind::Anti: return through(0) + double(aperturaTwoCapsIn(r).weight) * (open - through(1) - through(0));
         case ModelKind::CapAnti: {
             const double both = share({lit, cap(0), cap(1)}, n, radius);
-            return twoCapsIn(r).weight > 0.5f ? open - both : both;
+            return aperturaTwoCapsIn(r).weight > 0.5f ? open - both : both;
         }
         case ModelKind::Union: {
             double seen = 0;  // inclusion-exclusion
@@ -68,14 +68,14 @@ double exactInModel(const Model& any, const Receiver& r, const dvec3& light, dou
     // Quadrature over directions in the light. The model's visibility in a direction is its formula for a point light.
     const double height = 2 * std::pow(std::sin(radius / 2), 2), s = std::sin(radius);
     static const std::vector<glm::vec3> unit = fibonacciCap(2000, 1);
-    const dvec3 u(tangentTo(vec3(light))), v = glm::cross(light, u);
+    const dvec3 u(aperturaTangentTo(vec3(light))), v = glm::cross(light, u);
     double sum = 0;
     for (const glm::vec3& p : unit) {  // uniform in height is uniform in area, so a unit cap's points can be scaled to a smaller one
         const double down = height * (1 - double(p.z)), across = std::sqrt(down * (2 - down)), flat = std::hypot(double(p.x), double(p.y));
         const dvec3 w = (1 - down) * light + across * (double(p.x) * u + double(p.y) * v) / std::max(flat, 1e-12);
         if (glm::dot(n, w) <= 0) continue;
-        const CapLight point = capLight(vec3(w), 1e-4f);
-        sum += double(irradianceThrough(model.id, r, point, LIGHTS_SUN)) / point.area;
+        const AperturaCapLight point = aperturaCapLight(vec3(w), 1e-4f);
+        sum += double(aperturaIrradianceThrough(model.id, r, point, APERTURA_LIGHTS_SUN)) / point.area;
     }
     return 2 * height / (s * s) * sum / double(unit.size());
 }
@@ -134,8 +134,8 @@ SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sw
         // Interpolation changes the length of axes. Models that are not interpolated get unit axes from their decoder.
         if (model.mixes && f.axisLength != 1)
             for (int k = 0; k < 2; ++k) params[k] = vec4(vec3(params[k]) * float(f.axisLength), params[k].w);
-        const Receiver receiver = toReceiver(seen, params, normal);
-        out.receivers.push_back(model.mixes ? renormalised(model.id, receiver) : receiver);
+        const AperturaReceiver receiver = toReceiver(seen, params, normal);
+        out.receivers.push_back(model.mixes ? aperturaRenormalised(model.id, receiver) : receiver);
     }
     return out;
 }
@@ -152,7 +152,7 @@ StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const Fra
         const SweepFrame& f = sweep.frames[i];
         Evaluation e{
             vec4(swept.receivers[i].normal, 0), vec4(vec3(f.light), float(std::sin(f.lightRadius))), swept.receivers[i].visibility, {}};
-        std::copy_n(swept.receivers[i].params, MAX_SLOTS, e.params);
+        std::copy_n(swept.receivers[i].params, APERTURA_MAX_SLOTS, e.params);
         inputs[lightClassOf(e.light.w)].push_back(e);
     }
     if (device)
@@ -161,9 +161,9 @@ StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const Fra
     size_t taken[4]{};
     for (size_t i = 0; i < sweep.frames.size(); ++i) {
         const SweepFrame& f = sweep.frames[i];
-        const CapLight light = capLight(vec3(f.light), float(std::sin(f.lightRadius)));
+        const AperturaCapLight light = aperturaCapLight(vec3(f.light), float(std::sin(f.lightRadius)));
         const int lightClass = lightClassOf(light.sinRadius);
-        const float raw = irradianceThrough(model.id, swept.receivers[i], light, lightClass);
+        const float raw = aperturaIrradianceThrough(model.id, swept.receivers[i], light, lightClass);
         const double value = light.area > 0 ? double(raw) / light.area : 0;
         ++row.frames;
         const size_t at = taken[lightClass]++;
@@ -173,7 +173,7 @@ StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const Fra
         }
         if (device)
             row.onDevice = std::max(row.onDevice, std::abs(double(found[lightClass][at]) - raw) / std::max(double(light.area), 1e-12));
-        const double unblocked = unoccludedIrradiance(vec3(kUp), light, LIGHTS_ANY) / std::max(light.area, 1e-30f);
+        const double unblocked = aperturaUnoccludedIrradiance(vec3(kUp), light, APERTURA_LIGHTS_ANY) / std::max(light.area, 1e-30f);
         row.outside += value < -1e-6 || value > 1.006 * unblocked + kAboveOne;
         const double truth = exactThroughCap(f);
         const double exact = model.baseline ? truth : exactInModel(model, swept.receivers[i], f.light, f.lightRadius);

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "bake/fit/fit.h"
-#include "bake/measure/sweeps.h"
-#include "sh/models.h"
+#include "apertura/bake/fit/fit.h"
+#include "apertura/bake/measure/sweeps.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 
@@ -18,7 +18,8 @@ namespace apertura {
 //   moved, radius  radians
 inline double stepBound(double moved, double radius) { return 2 * moved / (std::numbers::pi * std::sin(radius)); }
 
-// Evaluates irradianceThrough for each input on a device; `lightClass` is LIGHTS_... An empty function: there is no device.
+// Evaluates aperturaIrradianceThrough for each input on a device; `lightClass` is APERTURA_LIGHTS_... An empty function: there is no
+// device.
 using FrameEvaluator = std::function<std::vector<float>(int model, int lightClass, const std::vector<Evaluation>&)>;
 
 // How far E / (L pi sin^2 r) may exceed the unblocked light's before it counts as outside: formulas for lights up to
@@ -31,7 +32,7 @@ inline constexpr float kAboveOne = 0.012f;
 //   receiver  its normal is unit
 //   light     unit axis
 //   radius    radians
-double exactInModel(const Model& model, const Receiver& receiver, const glm::dvec3& light, double radius);
+double exactInModel(const Model& model, const AperturaReceiver& receiver, const glm::dvec3& light, double radius);
 
 // E / (L pi sin^2 r) through an opening that is one cap.
 double exactThroughCap(const SweepFrame& frame);
@@ -39,7 +40,7 @@ double exactThroughCap(const SweepFrame& frame);
 // A model's parameters for each frame of a sweep, derived from the opening's four numbers or fitted to it.
 struct SweptModel {
     const Model* model;
-    std::vector<Receiver> receivers;  // one per frame
+    std::vector<AperturaReceiver> receivers;  // one per frame
 };
 SweptModel sweepModel(const Model& model, const FitTools& tools, const Sweep& sweep);
 

@@ -1,11 +1,11 @@
-#include "bake/measure/storage_errors.h"
+#include "apertura/bake/measure/storage_errors.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
-#include "sh/packing.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/sh/packing.h"
 
 namespace apertura {
 namespace {
@@ -83,17 +83,17 @@ std::vector<MixingError> mixingErrors(const Model& model) {
             const ModelParams from = toParams(model, a, nullptr, normal), to = toParams(model, b, nullptr, normal);
             MixingError row{std::string(model.name), pair.name, radius, 0, 0, 0};
             for (const glm::vec3& w : fibonacciHemisphere(400)) {
-                const CapLight light = capLight(w, float(std::sin(radius * kDegree)));
+                const AperturaCapLight light = aperturaCapLight(w, float(std::sin(radius * kDegree)));
                 auto lit = [&](const Visibility& v, const ModelParams& params) {
-                    return double(irradianceThrough(model.id, renormalised(model.id, toReceiver(v, params, normal)), light,
-                                                    lightClassOf(light.sinRadius)))
+                    return double(aperturaIrradianceThrough(model.id, aperturaRenormalised(model.id, toReceiver(v, params, normal)), light,
+                                                            lightClassOf(light.sinRadius)))
                          / light.area;
                 };
                 const double first = lit(a, from), last = lit(b, to);
                 for (int i = 1; i < 16; ++i) {
                     const float t = float(i) / 16;
                     ModelParams params{};
-                    for (int k = 0; k < MAX_SLOTS; ++k) params[size_t(k)] = glm::mix(from[size_t(k)], to[size_t(k)], t);
+                    for (int k = 0; k < APERTURA_MAX_SLOTS; ++k) params[size_t(k)] = glm::mix(from[size_t(k)], to[size_t(k)], t);
                     const double e = lit({glm::mix(a.direction, b.direction, t), glm::mix(a.area, b.area, t)}, params);
                     row.below = std::max(row.below, std::min(first, last) - e);
                     row.above = std::max(row.above, e - std::max(first, last));

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sh/models.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 

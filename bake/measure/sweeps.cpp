@@ -1,4 +1,4 @@
-#include "bake/measure/sweeps.h"
+#include "apertura/bake/measure/sweeps.h"
 
 #include <algorithm>
 #include <cmath>

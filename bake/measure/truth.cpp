@@ -1,11 +1,11 @@
-#include "bake/measure/truth.h"
+#include "apertura/bake/measure/truth.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
-#include "bake/scene/builtin.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/scene/builtin.h"
 
 namespace apertura {
 namespace {

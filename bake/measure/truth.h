@@ -2,9 +2,9 @@
 // Where models are measured, and the ray-traced truth there.
 #include <string>
 
-#include "bake/sampling/surface_points.h"
-#include "bake/sampling/tracer.h"
-#include "bake/sampling/vertices.h"
+#include "apertura/bake/sampling/surface_points.h"
+#include "apertura/bake/sampling/tracer.h"
+#include "apertura/bake/sampling/vertices.h"
 
 namespace apertura {
 

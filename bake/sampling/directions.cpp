@@ -1,4 +1,4 @@
-#include "bake/sampling/directions.h"
+#include "apertura/bake/sampling/directions.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <span>
 
-#include "sh/shading.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 namespace {
@@ -42,7 +42,7 @@ double hashUnit(uint32_t seed, uint64_t a, uint64_t b) {
 }
 
 glm::mat3 frameFromZ(const glm::vec3& normal, double angle) {
-    const glm::vec3 u = tangentTo(normal), v = glm::cross(normal, u);
+    const glm::vec3 u = aperturaTangentTo(normal), v = glm::cross(normal, u);
     const float c = float(std::cos(angle)), s = float(std::sin(angle));
     return {c * u + s * v, c * v - s * u, normal};
 }

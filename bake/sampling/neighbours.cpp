@@ -1,11 +1,11 @@
-#include "bake/sampling/neighbours.h"
+#include "apertura/bake/sampling/neighbours.h"
 
 #include <algorithm>
 #include <numeric>
 #include <tuple>
 
-#include "runtime/asset/faces.h"
-#include "sh/shading.h"
+#include "apertura/runtime/asset/faces.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 namespace {
@@ -58,9 +58,9 @@ StoredPoints::StoredPoints(const Scene& scene, size_t instance, const SeenOnFace
             edges.emplace_back(corners[size_t(c)], corners[size_t(c + 1) % 3]);
         }
         if (level == 0) continue;
-        const int steps = latticeSteps(level);
+        const int steps = aperturaLatticeSteps(level);
         const auto first = uint32_t(vertices + faces->first[t]);
-        for (int sample = 0; sample < latticeSize(steps); ++sample) {
+        for (int sample = 0; sample < aperturaLatticeSize(steps); ++sample) {
             const uint32_t point = first + uint32_t(sample);
             const glm::vec3 weights = latticePoint(sample, steps);
             places_[point] = {int(t), weights};

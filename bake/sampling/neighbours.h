@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/asset/asset.h"
-#include "sh/shading.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
@@ -32,7 +32,7 @@ template <typename Use>
 void forLatticeEdges(int steps, Use&& use) {
     for (int j = 0; j < steps; ++j)
         for (int i = 0; i + j < steps; ++i) {
-            const int at = latticeRow(j, steps) + i, above = latticeRow(j + 1, steps) + i;
+            const int at = aperturaLatticeRow(j, steps) + i, above = aperturaLatticeRow(j + 1, steps) + i;
             use(at, at + 1);
             use(at, above);
             use(at + 1, above);

@@ -1,4 +1,4 @@
-#include "bake/sampling/occlusion.h"
+#include "apertura/bake/sampling/occlusion.h"
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "bake/sampling/directions.h"
+#include "apertura/bake/sampling/directions.h"
 
 namespace apertura {
 

@@ -3,10 +3,10 @@
 #include <functional>
 #include <span>
 
-#include "bake/sampling/progress.h"
-#include "bake/sampling/samples.h"
-#include "bake/sampling/tracer.h"
-#include "bake/sampling/vertices.h"
+#include "apertura/bake/sampling/progress.h"
+#include "apertura/bake/sampling/samples.h"
+#include "apertura/bake/sampling/tracer.h"
+#include "apertura/bake/sampling/vertices.h"
 
 namespace apertura {
 

@@ -1,11 +1,11 @@
-#include "bake/sampling/probes.h"
+#include "apertura/bake/sampling/probes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
-#include "runtime/asset/faces.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/runtime/asset/faces.h"
 
 namespace apertura {
 namespace {

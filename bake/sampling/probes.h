@@ -1,7 +1,7 @@
 #pragma once
 // Looks by few rays at many points of a triangle, from which its visibility is fitted.
-#include "bake/sampling/occlusion.h"
-#include "sh/sh4.h"
+#include "apertura/bake/sampling/occlusion.h"
+#include "apertura/sh/sh4.h"
 
 namespace apertura {
 

@@ -1,11 +1,11 @@
-#include "bake/sampling/samples.h"
+#include "apertura/bake/sampling/samples.h"
 
 #include <algorithm>
 #include <bit>
 #include <numbers>
 #include <numeric>
 
-#include "bake/sampling/directions.h"
+#include "apertura/bake/sampling/directions.h"
 
 namespace apertura {
 

@@ -1,4 +1,4 @@
-#include "bake/sampling/solids.h"
+#include "apertura/bake/sampling/solids.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "bake/sampling/classes.h"
-#include "bake/sampling/directions.h"
+#include "apertura/bake/sampling/classes.h"
+#include "apertura/bake/sampling/directions.h"
 
 namespace apertura {
 namespace {

@@ -2,7 +2,7 @@
 // Points of surfaces, and whether they lie inside solids.
 #include <vector>
 
-#include "bake/sampling/tracer.h"
+#include "apertura/bake/sampling/tracer.h"
 
 namespace apertura {
 

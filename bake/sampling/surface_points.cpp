@@ -1,10 +1,10 @@
-#include "bake/sampling/surface_points.h"
+#include "apertura/bake/sampling/surface_points.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "bake/sampling/directions.h"
-#include "runtime/asset/error.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace {

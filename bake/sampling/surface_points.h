@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bake/sampling/vertices.h"
+#include "apertura/bake/sampling/vertices.h"
 
 namespace apertura {
 

@@ -1,4 +1,4 @@
-#include "bake/sampling/tracer.h"
+#include "apertura/bake/sampling/tracer.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -13,7 +13,7 @@
 #include <map>
 #include <vector>
 
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace {

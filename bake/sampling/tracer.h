@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
-#include "bake/sampling/progress.h"
-#include "runtime/asset/scene.h"
+#include "apertura/bake/sampling/progress.h"
+#include "apertura/runtime/asset/scene.h"
 
 namespace apertura {
 

@@ -1,4 +1,4 @@
-#include "bake/sampling/vertices.h"
+#include "apertura/bake/sampling/vertices.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -8,9 +8,9 @@
 #include <limits>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
-#include "bake/sampling/progress.h"
-#include "bake/sampling/solids.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/progress.h"
+#include "apertura/bake/sampling/solids.h"
 
 namespace apertura {
 namespace {

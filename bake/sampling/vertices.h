@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/sampling/solids.h"
+#include "apertura/bake/sampling/solids.h"
 
 namespace apertura {
 

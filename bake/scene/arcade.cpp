@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "bake/scene/builtin.h"
-#include "bake/scene/shapes.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/bake/scene/shapes.h"
 
 namespace apertura {
 namespace {

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
-#include "bake/scene/builtin.h"
-#include "bake/scene/shapes.h"
-#include "runtime/asset/error.h"
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/scene/builtin.h"
+#include "apertura/bake/scene/shapes.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 // The procedural scenes.
-#include "bake/scene/load.h"
+#include "apertura/bake/scene/load.h"
 
 namespace apertura {
 

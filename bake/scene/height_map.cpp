@@ -1,4 +1,4 @@
-#include "bake/scene/height_map.h"
+#include "apertura/bake/scene/height_map.h"
 
 #include <Imath/half.h>
 #include <OpenImageIO/imageio.h>
@@ -14,8 +14,8 @@
 #include <fstream>
 #include <limits>
 
-#include "bake/scene/isolated.h"
-#include "runtime/asset/error.h"
+#include "apertura/bake/scene/isolated.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace {

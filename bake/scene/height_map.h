@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/scene/load.h"
+#include "apertura/bake/scene/load.h"
 
 namespace apertura {
 

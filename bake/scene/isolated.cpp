@@ -1,4 +1,4 @@
-#include "bake/scene/isolated.h"
+#include "apertura/bake/scene/isolated.h"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace {

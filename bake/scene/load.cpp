@@ -1,13 +1,13 @@
-#include "bake/scene/load.h"
+#include "apertura/bake/scene/load.h"
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <set>
 
-#include "runtime/asset/error.h"
-#include "runtime/asset/file.h"
-#include "runtime/asset/gltf.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/gltf.h"
 
 namespace apertura {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/asset/scene.h"
+#include "apertura/runtime/asset/scene.h"
 
 namespace apertura {
 

@@ -6,9 +6,9 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 
-#include "bake/scene/isolated.h"
-#include "bake/scene/load.h"
-#include "runtime/asset/error.h"
+#include "apertura/bake/scene/isolated.h"
+#include "apertura/bake/scene/load.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace {

@@ -1,10 +1,10 @@
-#include "bake/scene/shapes.h"
+#include "apertura/bake/scene/shapes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "bake/sampling/directions.h"
+#include "apertura/bake/sampling/directions.h"
 
 namespace apertura {
 namespace {

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <span>
 
-#include "runtime/asset/scene.h"
+#include "apertura/runtime/asset/scene.h"
 
 namespace apertura {
 

@@ -1,18 +1,18 @@
-#include "runtime/asset/asset.h"
+#include "apertura/runtime/asset/asset.h"
 
 #include <algorithm>
 #include <cstring>
 #include <map>
 #include <set>
 
-#include "runtime/asset/bent_normals.h"
-#include "runtime/asset/faces.h"
-#include "runtime/asset/file.h"
-#include "runtime/asset/gltf.h"
-#include "runtime/asset/gltf_writer.h"
-#include "runtime/asset/params_stream.h"
-#include "runtime/asset/texels.h"
-#include "sh/packing.h"
+#include "apertura/runtime/asset/bent_normals.h"
+#include "apertura/runtime/asset/faces.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/gltf.h"
+#include "apertura/runtime/asset/gltf_writer.h"
+#include "apertura/runtime/asset/params_stream.h"
+#include "apertura/runtime/asset/texels.h"
+#include "apertura/sh/packing.h"
 
 namespace apertura {
 namespace {
@@ -401,7 +401,7 @@ Asset toAsset(Scene scene) {
     return asset;
 }
 
-Asset readAsset(const std::string& path) { return toAsset(readGltf(path)); }
+Asset loadAsset(const std::string& path) { return toAsset(readGltf(path)); }
 
 const Model* storedModel(const BakeInfo& info) {
     const Model* model = findModel(info.model);

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/asset/scene.h"
-#include "sh/models.h"
+#include "apertura/runtime/asset/scene.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 
@@ -31,8 +31,9 @@ struct BakeInfo {
 // Visibility on the faces of one instance, for triangles whose vertices do not suffice: lattices of samples (shaders/lattice.glsl), one
 // after another in the order of the triangles.
 struct SeenOnFaces {
-    std::vector<uint8_t> levels;  // of each triangle, 0..MAX_LATTICE_LEVEL: see latticeSteps; 0: its vertices suffice. Empty: all are 0
-    std::vector<uint32_t> first;  // of each triangle, where its lattice begins
+    std::vector<uint8_t>
+        levels;  // of each triangle, 0..APERTURA_MAX_LATTICE_LEVEL: see aperturaLatticeSteps; 0: its vertices suffice. Empty: all are 0
+    std::vector<uint32_t> first;         // of each triangle, where its lattice begins
     std::vector<Visibility> visibility;  // one per sample
     std::vector<ModelParams> allParams;  // one per sample if a model is stored beside visibility; else empty
 
@@ -110,6 +111,6 @@ bool lostVisibility(const Scene& scene);
 Asset toAsset(Scene scene);
 
 // toAsset(readGltf(path)).
-Asset readAsset(const std::string& path);
+Asset loadAsset(const std::string& path);
 
 }  // namespace apertura

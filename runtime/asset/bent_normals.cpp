@@ -1,4 +1,4 @@
-#include "runtime/asset/bent_normals.h"
+#include "apertura/runtime/asset/bent_normals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <map>
 #include <optional>
 
-#include "runtime/asset/tangents.h"
-#include "runtime/asset/texels.h"
+#include "apertura/runtime/asset/tangents.h"
+#include "apertura/runtime/asset/texels.h"
 
 namespace apertura {
 namespace {

@@ -3,9 +3,9 @@
 #include <set>
 #include <string>
 
-#include "runtime/asset/asset.h"
-#include "runtime/asset/gltf_writer.h"
-#include "runtime/asset/png.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/gltf_writer.h"
+#include "apertura/runtime/asset/png.h"
 
 namespace apertura {
 

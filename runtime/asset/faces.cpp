@@ -1,4 +1,4 @@
-#include "runtime/asset/faces.h"
+#include "apertura/runtime/asset/faces.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,9 +6,9 @@
 #include <map>
 #include <numeric>
 
-#include "runtime/asset/params_stream.h"
-#include "sh/packing.h"
-#include "sh/shading.h"
+#include "apertura/runtime/asset/params_stream.h"
+#include "apertura/sh/packing.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 namespace {
@@ -89,8 +89,9 @@ void append(Bytes& to, const auto& items) {
 }
 
 size_t samplesIn(const std::vector<uint8_t>& levels) {
-    return std::accumulate(levels.begin(), levels.end(), size_t(0),
-                           [](size_t sum, uint8_t level) { return sum + (level ? size_t(latticeSize(latticeSteps(level))) : 0); });
+    return std::accumulate(levels.begin(), levels.end(), size_t(0), [](size_t sum, uint8_t level) {
+        return sum + (level ? size_t(aperturaLatticeSize(aperturaLatticeSteps(level))) : 0);
+    });
 }
 
 constexpr size_t kSparseBytes = 5;  // of an element: its index and its level
@@ -126,7 +127,7 @@ void SeenOnFaces::setLevels(std::vector<uint8_t> all, bool withParams) {
     size_t next = 0;
     for (const uint8_t level : levels) {
         first.push_back(uint32_t(next));
-        if (level) next += size_t(latticeSize(latticeSteps(level)));
+        if (level) next += size_t(aperturaLatticeSize(aperturaLatticeSteps(level)));
     }
     visibility.assign(next, {});
     allParams.assign(withParams ? next : 0, {});
@@ -225,8 +226,8 @@ void readFaces(Asset& asset, const Json& described, std::span<const std::vector<
     const size_t count = accessorCount(document, *samplesAt);
     size_t wanted = 0;
     for (const unsigned char level : levels) {
-        if (level > MAX_LATTICE_LEVEL) throw damaged("have a level that is too large");
-        wanted += level > 0 ? size_t(latticeSize(latticeSteps(level))) : 0;
+        if (level > APERTURA_MAX_LATTICE_LEVEL) throw damaged("have a level that is too large");
+        wanted += level > 0 ? size_t(aperturaLatticeSize(aperturaLatticeSteps(level))) : 0;
     }
     if (wanted != count) throw damaged(wanted > count ? "end too soon" : "are more than their levels say");
     std::vector<glm::vec4> values(count);
@@ -294,8 +295,8 @@ size_t bytesOfFaces(const Scene& scene, const BakedVisibility& seen, const Model
 
 glm::vec3 latticePoint(int sample, int steps) {
     int j = 0;
-    while (latticeRow(j + 1, steps) <= sample) ++j;
-    const float y = float(j) / float(steps), x = float(sample - latticeRow(j, steps)) / float(steps);
+    while (aperturaLatticeRow(j + 1, steps) <= sample) ++j;
+    const float y = float(j) / float(steps), x = float(sample - aperturaLatticeRow(j, steps)) / float(steps);
     return {1 - x - y, x, y};
 }
 

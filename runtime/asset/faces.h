@@ -7,8 +7,8 @@
 // asset.extras.apertura.faces says what they belong to: "triangles", a hash of all corners in order, their places and what is stored there,
 // and of the places of instances that differ in nothing else; "samples", a hash of what the accessors hold; and "numbers", the bytes of
 // each instance.
-#include "runtime/asset/asset.h"
-#include "runtime/asset/gltf_writer.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/gltf_writer.h"
 
 namespace apertura {
 

@@ -1,4 +1,4 @@
-#include "runtime/asset/file.h"
+#include "apertura/runtime/asset/file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -12,7 +12,7 @@
 #include <random>
 #include <utility>
 
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace fs = std::filesystem;

@@ -1,4 +1,4 @@
-#include "runtime/asset/gltf.h"
+#include "apertura/runtime/asset/gltf.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
-#include "runtime/asset/file.h"
-#include "runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/gltf_document.h"
 
 namespace apertura {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "runtime/asset/scene.h"
+#include "apertura/runtime/asset/scene.h"
 
 namespace apertura {
 

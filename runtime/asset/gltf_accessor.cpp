@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "runtime/asset/gltf_document.h"
-#include "runtime/asset/scene.h"
+#include "apertura/runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/scene.h"
 
 namespace apertura {
 namespace {

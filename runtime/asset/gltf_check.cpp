@@ -5,7 +5,7 @@
 #include <functional>
 #include <set>
 
-#include "runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/gltf_document.h"
 
 namespace apertura {
 namespace {

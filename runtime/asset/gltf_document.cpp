@@ -1,4 +1,4 @@
-#include "runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/gltf_document.h"
 
 #include <algorithm>
 #include <cctype>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "runtime/asset/file.h"
+#include "apertura/runtime/asset/file.h"
 
 namespace apertura {
 namespace {

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <cctype>
 
-#include "runtime/asset/file.h"
-#include "runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/gltf_document.h"
 
 namespace apertura {
 namespace {

@@ -1,4 +1,4 @@
-#include "runtime/asset/gltf_writer.h"
+#include "apertura/runtime/asset/gltf_writer.h"
 
 #include <algorithm>
 #include <cerrno>

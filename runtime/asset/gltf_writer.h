@@ -3,7 +3,7 @@
 // indices that move; bytes that nothing refers to any more are left out.
 #include <string>
 
-#include "runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/gltf_document.h"
 
 namespace apertura {
 

@@ -1,11 +1,11 @@
-#include "runtime/asset/image_files.h"
+#include "apertura/runtime/asset/image_files.h"
 
 #include <algorithm>
 
-#include "runtime/asset/bent_normals.h"
-#include "runtime/asset/picture.h"
-#include "runtime/asset/png.h"
-#include "runtime/asset/texels.h"
+#include "apertura/runtime/asset/bent_normals.h"
+#include "apertura/runtime/asset/picture.h"
+#include "apertura/runtime/asset/png.h"
+#include "apertura/runtime/asset/texels.h"
 
 namespace apertura {
 std::vector<std::string> imageFiles(const std::string& asset, size_t instances, bool bentNormals, ImageFormat format) {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/asset/asset.h"
-#include "runtime/asset/file.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/file.h"
 
 namespace apertura {
 

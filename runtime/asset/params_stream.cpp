@@ -1,10 +1,10 @@
-#include "runtime/asset/params_stream.h"
+#include "apertura/runtime/asset/params_stream.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace {
@@ -34,7 +34,7 @@ std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelPa
     if (chosen)
         for (const ModelParams& params : allParams)
             out.push_back(std::byte(chosenModel(model, params).autoTag)
-                          | (choiceIn(params[CHOICE_SLOT]).outOfReach ? kOutOfReach : std::byte(0)));
+                          | (aperturaChoiceIn(params[APERTURA_CHOICE_SLOT]).outOfReach ? kOutOfReach : std::byte(0)));
     float numbers[kMostNumbers];
     for (const ModelParams& params : allParams) {
         const Model& own = chosenModel(model, params);

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "sh/models.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 

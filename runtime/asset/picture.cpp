@@ -1,4 +1,4 @@
-#include "runtime/asset/picture.h"
+#include "apertura/runtime/asset/picture.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -8,8 +8,8 @@
 #include <glm/gtc/color_space.hpp>
 #include <glm/gtc/packing.hpp>
 
-#include "runtime/asset/error.h"
-#include "runtime/asset/file.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
 
 namespace apertura {
 

@@ -1,4 +1,4 @@
-#include "runtime/asset/png.h"
+#include "apertura/runtime/asset/png.h"
 
 #include <spng.h>
 
@@ -7,7 +7,7 @@
 #include <memory>
 #include <new>
 
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/error.h"
 
 namespace apertura {
 namespace {

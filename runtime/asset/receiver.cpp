@@ -1,8 +1,9 @@
-#include "runtime/asset/receiver.h"
+#include "apertura/runtime/asset/receiver.h"
 
-#include "runtime/asset/faces.h"
-#include "runtime/asset/texels.h"
-#include "sh/shading.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/faces.h"
+#include "apertura/runtime/asset/texels.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
@@ -21,22 +22,22 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
         const ModelParams params = toParams(model, own, stored && !allParams.empty() ? &allParams[at] : nullptr, facing);
         visibility.direction += weight * own.direction;
         visibility.area += weight * own.area;
-        for (size_t k = 0; k < MAX_SLOTS; ++k) mix[k] += weight * params[k];
+        for (size_t k = 0; k < APERTURA_MAX_SLOTS; ++k) mix[k] += weight * params[k];
         corners.emplace_back(weight, toReceiver(own, params, normal));
     };
     if (!seen.texels.visibility.empty()) {
-        const TexelCell cell = texelCell(surface, size_t(triangle), barycentrics, seen.texels.width, seen.texels.height);
+        const AperturaTexelCell cell = texelCell(surface, size_t(triangle), barycentrics, seen.texels.width, seen.texels.height);
         static const std::vector<ModelParams> none;
         for (int c = 0; c < 4; ++c) {
             const auto at = size_t(cell.texels[c]);
             add(cell.weights[c], seen.texels.visibility[at], none, 0, seen.texels.normals[at]);
         }
     } else if (const int level = seen.faces.level(size_t(triangle)); level > 0) {
-        const LatticeCell cell = latticeCell(barycentrics, latticeSteps(level));
+        const AperturaLatticeCell cell = aperturaLatticeCell(barycentrics, aperturaLatticeSteps(level));
         for (int c = 0; c < 3; ++c) {
             const size_t at = seen.faces.first[size_t(triangle)] + size_t(cell.samples[c]);
             add(cell.weights[c], seen.faces.visibility[at], seen.faces.allParams, at,
-                surfaceAt(asset.scene, instance, triangle, latticePoint(cell.samples[c], latticeSteps(level))).looking());
+                surfaceAt(asset.scene, instance, triangle, latticePoint(cell.samples[c], aperturaLatticeSteps(level))).looking());
         }
     } else {
         for (int c = 0; c < 3; ++c) {
@@ -46,11 +47,27 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
     }
     if (!model.mixes) return corners;
     // As scene.frag has it.
-    if (!seen.texels.visibility.empty() && model.id == MODEL_SOFT)
+    if (!seen.texels.visibility.empty() && model.id == APERTURA_MODEL_SOFT)
         return {{1.0f, toReceiver(visibility,
                                   toParams(model, visibility, nullptr, surfaceAt(asset.scene, instance, triangle, barycentrics).looking()),
                                   normal)}};
-    return {{1.0f, renormalised(model.id, toReceiver(visibility, mix, normal))}};
+    return {{1.0f, aperturaRenormalised(model.id, toReceiver(visibility, mix, normal))}};
+}
+
+AperturaReceiver receiverAtVertex(const Asset& asset, const Model& model, size_t instance, size_t vertex) {
+    const std::string& name = asset.scene.name;
+    if (instance >= asset.seen.size()) throw Error(name + ": there is no instance " + std::to_string(instance));
+    const SeenByInstance& seen = asset.seen[instance];
+    if (vertex >= seen.visibility.size())
+        throw Error(name + ": instance " + std::to_string(instance) + " has no vertex " + std::to_string(vertex));
+    const bool stored = storedModel(asset.info) == &model && !seen.allParams.empty();
+    if (!stored && !model.fromVisibility) throw Error(name + ": does not hold the model " + std::string(model.name));
+    const Instance& placed = asset.scene.instances[instance];
+    const glm::vec3& own = asset.scene.surfaces[size_t(placed.surface)].normals[vertex];
+    const glm::vec3 scaled = normalMatrix(placed.toWorld) * own;
+    const glm::vec3 normal = glm::dot(scaled, scaled) > 0 ? glm::normalize(scaled) : own;
+    const Visibility& visibility = seen.visibility[vertex];
+    return toReceiver(visibility, toParams(model, visibility, stored ? &seen.allParams[vertex] : nullptr, normal), normal);
 }
 
 }  // namespace apertura

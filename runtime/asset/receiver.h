@@ -5,14 +5,14 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/asset/asset.h"
-#include "sh/models.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 
 // Receivers and weights, which sum to 1: the light of the point is the weighted sum of theirs. One receiver if the model's
 // parameters may be interpolated, otherwise those of the triangle's three corners or of four texels.
-using WeightedReceivers = std::vector<std::pair<float, Receiver>>;
+using WeightedReceivers = std::vector<std::pair<float, AperturaReceiver>>;
 
 // The receivers at a point of a triangle.
 //   model         the one that the asset stores, or one that is derived from the four numbers
@@ -20,5 +20,9 @@ using WeightedReceivers = std::vector<std::pair<float, Receiver>>;
 //   normal        of the lit surface, unit, world
 WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instance, int triangle, const glm::vec3& barycentrics,
                              const glm::vec3& normal);
+
+// The receiver at a vertex of an instance, with the vertex's normal in the world: what evaluateLight takes. Throws Error naming the asset
+// if it has no such instance or vertex, or does not hold the model.
+AperturaReceiver receiverAtVertex(const Asset& asset, const Model& model, size_t instance, size_t vertex);
 
 }  // namespace apertura

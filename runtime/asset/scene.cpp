@@ -1,4 +1,4 @@
-#include "runtime/asset/scene.h"
+#include "apertura/runtime/asset/scene.h"
 
 #include <unistd.h>
 
@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <unordered_map>
 
-#include "runtime/asset/error.h"
-#include "sh/shading.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 namespace {
@@ -116,11 +116,11 @@ SurfaceAt surfaceAt(const Scene& scene, int instance, int triangle, const glm::v
     const double area = glm::length(cross);
     if (area > 0) {
         out.face = glm::vec3(cross / area);
-        out.face *= sideOfFace(out.face, side);
+        out.face *= aperturaSideOfFace(out.face, side);
     }
     for (const uint32_t v : surface.triangles[size_t(triangle)]) {
         const glm::vec3 n = normals * surface.normals[v];
-        out.leans |= area > 0 && !(glm::dot(n, out.face) > LEANING * glm::length(n));
+        out.leans |= area > 0 && !(glm::dot(n, out.face) > APERTURA_LEANING * glm::length(n));
     }
     const glm::vec3 turned = normals * mean;
     const float length = glm::length(turned);

@@ -1,13 +1,13 @@
-#include "runtime/asset/tangents.h"
+#include "apertura/runtime/asset/tangents.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
 
-#include "runtime/asset/error.h"
-#include "runtime/asset/gltf_document.h"
-#include "runtime/asset/texels.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/texels.h"
 
 namespace apertura {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/asset/scene.h"
+#include "apertura/runtime/asset/scene.h"
 
 namespace apertura {
 

@@ -1,4 +1,4 @@
-#include "runtime/asset/texels.h"
+#include "apertura/runtime/asset/texels.h"
 
 #include <algorithm>
 #include <array>
@@ -59,7 +59,7 @@ bool isReadAt(const Corners& c, const glm::dvec2& p) {
 
 Corners cornersInImage(const Surface& surface, size_t t, int width, int height) {
     Corners out;
-    for (size_t c = 0; c < 3; ++c) out[c] = placeInImage(surface.coordinates[surface.triangles[t][c]], float(width), float(height));
+    for (size_t c = 0; c < 3; ++c) out[c] = aperturaPlaceInImage(surface.coordinates[surface.triangles[t][c]], float(width), float(height));
     return out;
 }
 
@@ -166,8 +166,9 @@ glm::vec2 coordinatesAt(const Surface& surface, size_t triangle, const glm::vec3
     return out;
 }
 
-TexelCell texelCell(const Surface& surface, size_t triangle, const glm::vec3& barycentrics, int width, int height) {
-    return texelCellAt(placeInImage(coordinatesAt(surface, triangle, barycentrics), float(width), float(height)), width, height);
+AperturaTexelCell texelCell(const Surface& surface, size_t triangle, const glm::vec3& barycentrics, int width, int height) {
+    return aperturaTexelCellAt(aperturaPlaceInImage(coordinatesAt(surface, triangle, barycentrics), float(width), float(height)), width,
+                               height);
 }
 
 size_t TexelMap::drawn() const { return size_t(std::count(isDrawn.begin(), isDrawn.end(), 1)); }
@@ -196,7 +197,7 @@ TexelMap mapTexels(const Surface& surface, int width, int height) {
 }
 
 SeenOnTexels halved(const SeenOnTexels& texels) {
-    SeenOnTexels out{mipSize(texels.width, 1), mipSize(texels.height, 1), {}, {}, texels.bits};
+    SeenOnTexels out{aperturaMipSize(texels.width, 1), aperturaMipSize(texels.height, 1), {}, {}, texels.bits};
     // Of each texel of the mip, the first and last one that it covers, and the weight of either end.
     struct Covered {
         int first, last;
@@ -234,7 +235,7 @@ SeenOnTexels halved(const SeenOnTexels& texels) {
     return out;
 }
 
-size_t texelsWithMips(int width, int height) { return size_t(firstOfMip(width, height, mipCount(width, height))); }
+size_t texelsWithMips(int width, int height) { return size_t(aperturaFirstOfMip(width, height, aperturaMipCount(width, height))); }
 
 void setTexelNormals(const Scene& scene, size_t instance, const TexelMap& map, SeenOnTexels& texels) {
     texels.normals.clear();

@@ -4,10 +4,10 @@
 #include <set>
 #include <vector>
 
-#include "runtime/asset/asset.h"
-#include "runtime/asset/gltf_writer.h"
-#include "runtime/asset/png.h"
-#include "sh/shading.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/gltf_writer.h"
+#include "apertura/runtime/asset/png.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
@@ -19,7 +19,7 @@ void requireMappable(const Surface& surface, int width, int height, const std::s
 glm::vec2 coordinatesAt(const Surface& surface, size_t triangle, const glm::vec3& barycentrics);
 
 // The four texels of an image about a point of a triangle.
-TexelCell texelCell(const Surface& surface, size_t triangle, const glm::vec3& barycentrics, int width, int height);
+AperturaTexelCell texelCell(const Surface& surface, size_t triangle, const glm::vec3& barycentrics, int width, int height);
 
 // What of a surface each texel of an image stands for.
 struct TexelMap {
@@ -41,7 +41,7 @@ std::vector<glm::vec2> readCoordinates(const GltfDocument& document, const Json&
 // Throws nothing; `surface` must have coordinates, all of them finite and within 0..1.
 TexelMap mapTexels(const Surface& surface, int width, int height);
 
-// The next mip: each texel is the mean of what it covers, by area; both sides halved as mipSize has it. Its normals are unit.
+// The next mip: each texel is the mean of what it covers, by area; both sides halved as aperturaMipSize has it. Its normals are unit.
 SeenOnTexels halved(const SeenOnTexels& texels);
 
 // How many texels an image has with all its mips.

@@ -1,4 +1,4 @@
-#include "runtime/asset/view.h"
+#include "apertura/runtime/asset/view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,11 +20,11 @@ glm::dmat3 cameraFrame(const Camera& camera) {
 }  // namespace
 
 Light directionalLight(const glm::vec3& direction, double radius, const glm::vec3& radiance) {
-    return {capLight(glm::normalize(direction), float(std::sin(radius))), vec4(0), vec4(radiance, 0)};
+    return {aperturaCapLight(glm::normalize(direction), float(std::sin(radius))), vec4(0), vec4(radiance, 0)};
 }
 
 Light sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance) {
-    return {capLight({0, 1, 0}, 0), vec4(centre, radius), vec4(radiance, 0)};
+    return {aperturaCapLight({0, 1, 0}, 0), vec4(centre, radius), vec4(radiance, 0)};
 }
 
 glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest) {
@@ -45,8 +45,8 @@ glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v) {
     return glm::vec3(cameraFrame(camera) * glm::dvec3((2 * u - 1) * t * aspect, (1 - 2 * v) * t, -1));
 }
 
-ShadowView shadowViewOf(const Light& light, const Box& bounds) {
-    const vec3 towards(light.cap.axis), right = tangentTo(towards), up = cross(towards, right);
+AperturaShadowView shadowViewOf(const Light& light, const Box& bounds) {
+    const vec3 towards(light.cap.axis), right = aperturaTangentTo(towards), up = cross(towards, right);
     vec3 low(1e30f), high(-1e30f);
     for (int corner = 0; corner < 8; ++corner) {
         const vec3 p(corner & 1 ? bounds.high.x : bounds.low.x, corner & 2 ? bounds.high.y : bounds.low.y,
@@ -58,7 +58,7 @@ ShadowView shadowViewOf(const Light& light, const Box& bounds) {
     const vec3 size = glm::max(high - low, vec3(1e-6f)) * 1.02f, centre = 0.5f * (low + high);
     // Rows of the matrix: x and y cover the extent, z is 0 at the far end and 1 at the near one.
     auto row = [](const vec3& axis, float scale, float shift) { return vec4(axis * scale, shift); };
-    ShadowView view;
+    AperturaShadowView view;
     view.toLight = transpose(mat4(row(right, 2 / size.x, -2 * centre.x / size.x), row(up, -2 / size.y, 2 * centre.y / size.y),
                                   row(towards, 1 / size.z, 0.5f - centre.z / size.z), vec4(0, 0, 0, 1)));
     view.right = vec4(right, 1 / size.x);

@@ -2,8 +2,8 @@
 // The camera and the lights of a picture, the same for the Vulkan renderer and for the ray-traced reference.
 #include <vector>
 
-#include "runtime/asset/scene.h"
-#include "sh/shading.h"
+#include "apertura/runtime/asset/scene.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
@@ -32,6 +32,6 @@ glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v);
 constexpr int kShadowTexels = 2048;  // of a shadow map, a side
 
 // How a shadow map of a directional light sees a scene with these bounds (world, metres): its texels cover all of it.
-ShadowView shadowViewOf(const Light& light, const Box& bounds);
+AperturaShadowView shadowViewOf(const Light& light, const Box& bounds);
 
 }  // namespace apertura

@@ -1,4 +1,4 @@
-#include "runtime/render/cost.h"
+#include "apertura/runtime/render/cost.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <map>
 #include <string_view>
 
+#include "apertura/runtime/render/draw.h"
+#include "apertura/runtime/render/scene_shaders.h"
+#include "apertura/sh/models.h"
 #include "cost.comp.h"
-#include "runtime/render/draw.h"
-#include "runtime/render/scene_shaders.h"
-#include "sh/models.h"
 #include "shadow.frag.h"
 
 namespace apertura {
@@ -35,7 +35,7 @@ std::vector<vk::raii::Pipeline> makePipelines(const Gpu& gpu, std::span<const Co
 
 // Receivers of all kinds, so that the branches of a formula are taken and cost something.
 GpuBuffer makePoints(const Gpu& gpu, int points) {
-    std::vector<vec4> values(size_t(points) * (2 + MAX_SLOTS));
+    std::vector<vec4> values(size_t(points) * (2 + APERTURA_MAX_SLOTS));
     for (size_t i = 0; i < values.size(); ++i) {
         const float a = float(i * 2654435761u % 1000) / 1000;
         values[i] = vec4(std::sin(9 * a), std::cos(9 * a), 0.3f, 0.1f + 0.8f * a);
@@ -45,7 +45,10 @@ GpuBuffer makePoints(const Gpu& gpu, int points) {
 
 // The sine of a radius typical of the class.
 float typicalSize(int lightClass) {
-    return lightClass == LIGHTS_SUN ? 0.00465f : lightClass == LIGHTS_SMALL ? 0.0436f : lightClass == LIGHTS_MEDIUM ? 0.087f : 0.259f;
+    return lightClass == APERTURA_LIGHTS_SUN    ? 0.00465f
+         : lightClass == APERTURA_LIGHTS_SMALL  ? 0.0436f
+         : lightClass == APERTURA_LIGHTS_MEDIUM ? 0.087f
+                                                : 0.259f;
 }
 
 // Reads the compiler's statistics of one stage of a pipeline.
@@ -134,11 +137,11 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
         cost.instructions += (factor - 1) * (cost.instructions - without.instructions);
         return cost;
     };
-    static_assert(SHADOW_TAPS == 4 * 8);
+    static_assert(APERTURA_SHADOW_TAPS == 4 * 8);
     std::map<int, CompiledCost> plain;  // N.L by class
     for (const PixelCase& c : cases) {
         if (!plain.contains(c.lightClass)) {
-            const int32_t constants[] = {MODEL_UNSHADOWED, c.lightClass, 0};
+            const int32_t constants[] = {APERTURA_MODEL_UNSHADOWED, c.lightClass, 0};
             plain[c.lightClass] = compile({scene_vert, sceneFragment(Corners::Mixed, true), constants}, bindings);
         }
         const CompiledCost& none = plain[c.lightClass];
@@ -166,7 +169,7 @@ std::vector<double> measuredCosts(const Gpu& gpu, std::span<const CostCase> case
     std::vector<double> least(cases.size(), 1e30);
     for (int round = 0; round < rounds; ++round)
         for (size_t i = 0; i < cases.size(); ++i) {
-            const Light light{capLight(vec3(0.6f, 0.64f, 0.48f), typicalSize(cases[i].lightClass)), vec4(0), vec4(1)};
+            const Light light{aperturaCapLight(vec3(0.6f, 0.64f, 0.48f), typicalSize(cases[i].lightClass)), vec4(0), vec4(1)};
             std::memcpy(lightBuffer.data(), &light, sizeof light);
             least[i] = std::min(least[i], stopwatch.seconds([&](vk::CommandBuffer commands) {
                 commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines[i]);

@@ -4,13 +4,13 @@
 #include <span>
 #include <vector>
 
-#include "runtime/render/renderer.h"
+#include "apertura/runtime/render/renderer.h"
 
 namespace apertura {
 
 struct CostCase {
-    int model;         // MODEL_...
-    int lightClass;    // LIGHTS_...
+    int model;         // APERTURA_MODEL_...
+    int lightClass;    // APERTURA_LIGHTS_...
     bool sky = false;  // adds the irradiance from the sky
 };
 
@@ -28,7 +28,7 @@ std::vector<CompiledCost> compiledCosts(const Gpu& gpu, std::span<const CostCase
 // recordShadowMapped. Compiles each case and runs nothing, as compiledCosts does.
 struct PixelCase {
     const Model* model;
-    int lightClass;  // LIGHTS_...
+    int lightClass;  // APERTURA_LIGHTS_...
     LightAt at = LightAt::Pixels;
     bool onFaces = false;  // with samples on faces
 };

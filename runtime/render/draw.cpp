@@ -1,4 +1,4 @@
-#include "runtime/render/draw.h"
+#include "apertura/runtime/render/draw.h"
 
 namespace apertura {
 

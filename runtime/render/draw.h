@@ -3,7 +3,7 @@
 #include <glm/glm.hpp>
 #include <span>
 
-#include "runtime/render/resources.h"
+#include "apertura/runtime/render/resources.h"
 
 namespace apertura {
 

@@ -1,8 +1,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "runtime/render/renderer.h"
-#include "runtime/render/resources.h"
+#include "apertura/runtime/render/renderer.h"
+#include "apertura/runtime/render/resources.h"
 
 #include "evaluate.comp.h"
 #include "evaluate16.comp.h"

@@ -1,11 +1,11 @@
-#include "runtime/render/geometry.h"
+#include "apertura/runtime/render/geometry.h"
 
 #include <algorithm>
 #include <array>
 
-#include "runtime/asset/faces.h"
-#include "runtime/asset/texels.h"
-#include "sh/shading.h"
+#include "apertura/runtime/asset/faces.h"
+#include "apertura/runtime/asset/texels.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 namespace {
@@ -19,7 +19,7 @@ const Surface& surfaceOf(const Asset& asset, const GeometryPiece& piece) {
 
 size_t samplesOn(const SeenOnFaces& faces, size_t triangle) {
     const int level = faces.level(triangle);
-    return level > 0 ? size_t(latticeSize(latticeSteps(level))) : 0;
+    return level > 0 ? size_t(aperturaLatticeSize(aperturaLatticeSteps(level))) : 0;
 }
 
 // Of an instance's image and its mips.
@@ -135,7 +135,7 @@ void forSamples(const Asset& asset, const GeometryPart& part, const UseSample& u
             mip = image->visibility.size() > 1 ? halved(*image) : SeenOnTexels();
         }
         for (size_t t = piece.firstTriangle; texels.visibility.empty() && t < piece.firstTriangle + piece.triangles(); ++t) {
-            const int steps = latticeSteps(std::max(faces.level(t), 1));
+            const int steps = aperturaLatticeSteps(std::max(faces.level(t), 1));
             for (size_t k = 0; k < samplesOn(faces, t); ++k) {
                 const size_t at = faces.first[t] + k;
                 use(faces.visibility[at], faces.allParams.empty() ? nullptr : &faces.allParams[at],

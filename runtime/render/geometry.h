@@ -3,8 +3,8 @@
 #include <functional>
 #include <vector>
 
-#include "runtime/asset/asset.h"
-#include "runtime/asset/view.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/view.h"
 
 namespace apertura {
 

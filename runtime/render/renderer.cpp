@@ -1,16 +1,16 @@
-#include "runtime/render/renderer.h"
+#include "apertura/runtime/render/renderer.h"
 
 #include <algorithm>
 #include <map>
 #include <optional>
 #include <tuple>
 
+#include "apertura/runtime/render/draw.h"
+#include "apertura/runtime/render/geometry.h"
+#include "apertura/runtime/render/scene_shaders.h"
+#include "apertura/runtime/render/shadow_map.h"
+#include "apertura/sh/soft.h"
 #include "light.comp.h"
-#include "runtime/render/draw.h"
-#include "runtime/render/geometry.h"
-#include "runtime/render/scene_shaders.h"
-#include "runtime/render/shadow_map.h"
-#include "sh/soft.h"
 
 namespace apertura {
 namespace {
@@ -36,7 +36,7 @@ GpuBuffer uploadParams(const Gpu& gpu, const Asset& asset, const GeometryPart& p
         slots.reserve((part.vertices + part.moreSamples) * size_t(model.slots));
         forSamples(asset, part, [&](const Visibility& visibility, const ModelParams* own, const auto& normal) {
             // Of texels, `soft` is made in the shader.
-            if (model.id == MODEL_SOFT && slots.size() >= part.vertices && hasTexels(asset) && !hasSamplesOnFaces(asset)) return;
+            if (model.id == APERTURA_MODEL_SOFT && slots.size() >= part.vertices && hasTexels(asset) && !hasSamplesOnFaces(asset)) return;
             const ModelParams params = toParams(model, visibility, stored ? own : nullptr, normal());
             slots.insert(slots.end(), params.begin(), params.begin() + model.slots);
         });
@@ -69,7 +69,7 @@ PartLimits partLimits(const Gpu& gpu, int frames) {
     const auto bytes = size_t(gpu.largestBuffer());
     constexpr size_t kNumbered = size_t(1) << 28;  // samples: see GeometryPart and scene.vert
     return {.vertices = std::min(bytes / sizeof(SceneVertex), bytes / (size_t(frames) * size_t(litFloats(MAX_LIGHTS)) * sizeof(float))),
-            .samples = std::min(bytes / (MAX_SLOTS * sizeof(vec4)), kNumbered),
+            .samples = std::min(bytes / (APERTURA_MAX_SLOTS * sizeof(vec4)), kNumbered),
             .triangles = bytes / (5 * sizeof(uint32_t))};
 }
 
@@ -138,8 +138,8 @@ struct Renderer::State {
 };
 
 int lightClassOf(const View& view) {
-    int out = LIGHTS_SUN;
-    for (const Light& light : view.lights) out = std::min(out, isSphere(light) ? LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
+    int out = APERTURA_LIGHTS_SUN;
+    for (const Light& light : view.lights) out = std::min(out, isSphere(light) ? APERTURA_LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
     return out;
 }
 

@@ -3,15 +3,15 @@
 #include <memory>
 #include <span>
 
-#include "runtime/asset/asset.h"
-#include "runtime/asset/picture.h"
-#include "runtime/asset/view.h"
-#include "runtime/render/vulkan.h"
-#include "sh/models.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/picture.h"
+#include "apertura/runtime/asset/view.h"
+#include "apertura/runtime/render/vulkan.h"
+#include "apertura/sh/models.h"
 
 namespace apertura {
 
-// The class that covers all lights of a view, LIGHTS_...; LIGHTS_ANY if one is a sphere.
+// The class that covers all lights of a view, APERTURA_LIGHTS_...; APERTURA_LIGHTS_ANY if one is a sphere.
 int lightClassOf(const View& view);
 
 // Where light is evaluated. Vertices: once a vertex and frame, in a compute pass, which costs less wherever fewer vertices than pixels are
@@ -35,7 +35,7 @@ public:
 
     // Uploads a model's parameters and creates its pipelines; does nothing if all exist. It takes up to seconds.
     //   model       the one that the asset stores, or one that is derived from the four numbers
-    //   lightClass  LIGHTS_..., see lightClassOf
+    //   lightClass  APERTURA_LIGHTS_..., see lightClassOf
     //   format      of the target's colour
     //   mostLights  of a frame. 1 makes a faster pipeline, which serves frames of just one light; others any number. At the vertices,
     //               each light takes 4 bytes a vertex and frame
@@ -66,8 +66,8 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// Evaluates a model on the device: x is irradianceThrough, y skyIrradiance, one element per input.
-//   model, lightClass  MODEL_..., LIGHTS_...
+// Evaluates a model on the device: x is aperturaIrradianceThrough, y aperturaSkyIrradiance, one element per input.
+//   model, lightClass  APERTURA_MODEL_..., APERTURA_LIGHTS_...
 //   half               compute in 16-bit floats; needs Gpu::hasHalf
 std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int lightClass, std::span<const Evaluation> inputs, bool half = false);
 

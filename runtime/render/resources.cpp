@@ -1,4 +1,4 @@
-#include "runtime/render/resources.h"
+#include "apertura/runtime/render/resources.h"
 
 #include <algorithm>
 #include <cstring>

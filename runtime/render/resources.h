@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/asset/error.h"
-#include "runtime/render/vulkan.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/render/vulkan.h"
 
 namespace apertura {
 

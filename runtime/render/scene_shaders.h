@@ -3,9 +3,10 @@
 #include <array>
 #include <span>
 
+#include "apertura/runtime/render/draw.h"
+#include "apertura/sh/models.h"
 #include "lit.frag.h"
 #include "lit.vert.h"
-#include "runtime/render/draw.h"
 #include "scene.vert.h"
 #include "scene00.frag.h"
 #include "scene01.frag.h"
@@ -13,7 +14,6 @@
 #include "scene11.frag.h"
 #include "scene30.frag.h"
 #include "scene31.frag.h"
-#include "sh/models.h"
 
 namespace apertura {
 

@@ -1,6 +1,6 @@
-#include "runtime/render/shadow_map.h"
+#include "apertura/runtime/render/shadow_map.h"
 
-#include "runtime/render/draw.h"
+#include "apertura/runtime/render/draw.h"
 #include "scene.vert.h"
 #include "shadow.frag.h"
 #include "shadow.vert.h"
@@ -46,7 +46,8 @@ void ShadowMap::record(vk::CommandBuffer commands, const RenderTarget& target, c
     seen_.set(frame, shadowViewOf(view.lights[0], bounds_));
     const auto draw = [&](const DrawPass& pass, GpuBindings BoundPart::*bindings) {
         for (size_t i = 0; i < parts_.size(); ++i) {
-            const uint32_t offsets[] = {PerFrame<Frame>::offset(frame * int(parts_.size()) + int(i)), PerFrame<ShadowView>::offset(frame)};
+            const uint32_t offsets[] = {PerFrame<Frame>::offset(frame * int(parts_.size()) + int(i)),
+                                        PerFrame<AperturaShadowView>::offset(frame)};
             pass.draw(parts_[i].*bindings, offsets, parts_[i].indexCount);
         }
     };

@@ -3,8 +3,8 @@
 #include <map>
 #include <optional>
 
-#include "runtime/asset/view.h"
-#include "runtime/render/resources.h"
+#include "apertura/runtime/asset/view.h"
+#include "apertura/runtime/render/resources.h"
 
 namespace apertura {
 
@@ -33,7 +33,7 @@ public:
 private:
     Box bounds_;
     GpuImage map_;
-    PerFrame<ShadowView> seen_;
+    PerFrame<AperturaShadowView> seen_;
     struct BoundPart {
         GpuBindings shading, mapping;
         uint32_t indexCount;

@@ -1,9 +1,9 @@
-#include "runtime/render/vulkan.h"
+#include "apertura/runtime/render/vulkan.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "runtime/render/resources.h"
+#include "apertura/runtime/render/resources.h"
 
 namespace apertura {
 namespace {

@@ -1,7 +1,7 @@
 // The reader and the writer of assets: any bytes are an asset or an Error, and what is written can be read.
-#include "runtime/asset/asset.h"
-#include "runtime/asset/error.h"
-#include "runtime/asset/gltf.h"
+#include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/gltf.h"
 #include "tests/fuzz/fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     } catch (const Error&) {
         return 0;
     }
-    const Asset back = readAsset(path);
+    const Asset back = loadAsset(path);
     if (back.seen.size() != asset.seen.size() || back.scene.instances.size() != asset.scene.instances.size()) std::abort();
     return 0;
 }

@@ -1,6 +1,6 @@
 // The importer of glTF: any bytes are a scene or an Error.
-#include "runtime/asset/gltf.h"
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/gltf.h"
+#include "apertura/runtime/asset/error.h"
 #include "tests/fuzz/fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -1,9 +1,9 @@
 // The importer of height maps, in this process: any bytes are heights or an Error.
-#include "bake/scene/height_map.h"
+#include "apertura/bake/scene/height_map.h"
 
 #include <fstream>
 
-#include "runtime/asset/error.h"
+#include "apertura/runtime/asset/error.h"
 #include "tests/fuzz/fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -1,0 +1,22 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// An engine's shader, with names of its own that the formulas of shaders/ have without their prefix.
+#include "engine_names.glsl"
+#include "lattice.glsl"
+#include "models.glsl"
+#include "texels.glsl"
+#include "visible.glsl"
+layout(local_size_x = 1) in;
+layout(std430, binding = 0) buffer Numbers { vec4 numbers[]; };
+vec4 aperturaSoftNode(int i) { return numbers[i]; }
+#include "soft_table.glsl"
+
+void main() {
+    AperturaReceiver receiver;
+    receiver.normal = numbers[0].xyz;
+    receiver.visibility = numbers[1];
+    receiver.params[0] = aperturaLimitSharpness(aperturaSoftFrom(numbers[1].xyz, numbers[1].w, numbers[0].xyz));
+    AperturaCapLight light = aperturaCapLight(numbers[2].xyz, numbers[2].w);
+    numbers[3].x = aperturaIrradianceThrough(APERTURA_MODEL_SOFT, receiver, light, APERTURA_LIGHTS_SUN);
+    numbers[3].y = aperturaSkyIrradiance(APERTURA_MODEL_SOFT, receiver) + float(PI) * 0.0;
+}

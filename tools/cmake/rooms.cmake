@@ -1,0 +1,58 @@
+# How every target of this project is compiled. Nothing of it reaches those who link one.
+function(apertura_compile_as_ours target)
+  # Fields of Vulkan's structs that are not named are zero. And float32 results do not depend on what is fused.
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wno-missing-field-initializers -ffp-contract=off)
+  if(APERTURA_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # GCC 12 sees overlaps in std::string that are not there (bug 105651).
+    target_compile_options(${target} PRIVATE -Wshadow=local -Wno-restrict)
+  endif()
+  if(APERTURA_SANITIZE OR APERTURA_FUZZ)
+    set(kinds address,undefined)
+    if(APERTURA_FUZZ)
+      set(kinds fuzzer-no-link,address,undefined)
+    endif()
+    target_compile_options(${target} PRIVATE -fsanitize=${kinds} -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
+    target_link_options(${target} PUBLIC -fsanitize=address,undefined)
+  endif()
+  target_compile_definitions(${target} PRIVATE APERTURA_VERSION="${PROJECT_VERSION}")
+endfunction()
+
+include(GNUInstallDirs)
+
+# A room: a library of the sources of this folder, the target apertura_NAME and apertura::NAME. It sees its own headers and those of the
+# rooms that it names, and no others: each room's include path holds links to its folder alone. All include as "apertura/FOLDER/FILE".
+#   SEES    rooms and libraries that its headers include
+#   USES    those that its sources alone include
+#   PUBLIC  headers that are installed; <apertura/NAME.h> includes them all
+function(apertura_add_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;SEES;USES;PUBLIC" ${ARGN})
+  set(target apertura_${name})
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  set(view ${PROJECT_BINARY_DIR}/rooms/${name})
+  cmake_path(GET folder PARENT_PATH parent)
+  file(MAKE_DIRECTORY ${view}/apertura/${parent})
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${view}/apertura/${folder} SYMBOLIC)
+  add_library(${target} STATIC ${ROOM_SOURCES})
+  add_library(apertura::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  apertura_compile_as_ours(${target})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${view}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} PUBLIC ${ROOM_SEES} PRIVATE ${ROOM_USES})
+  if(ROOM_PUBLIC)
+    set(includes "")
+    foreach(header ${ROOM_PUBLIC})
+      string(APPEND includes "#include \"apertura/${folder}/${header}\"\n")
+    endforeach()
+    file(CONFIGURE OUTPUT ${view}/apertura/${name}.h CONTENT "#pragma once\n${includes}")
+    set_property(GLOBAL APPEND PROPERTY APERTURA_PUBLIC_ROOMS ${name})
+    if(APERTURA_INSTALL)
+      install(TARGETS ${target} EXPORT apertura-${name})
+      install(FILES ${ROOM_PUBLIC} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/apertura/${folder})
+      install(FILES ${view}/apertura/${name}.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/apertura)
+    endif()
+  endif()
+endfunction()
