@@ -62,11 +62,11 @@ APERTURA_FN AperturaFloat aperturaDistanceOf(AperturaVec3 a, AperturaVec3 b) {
     return AperturaFloat(0.5) * dot(difference, difference);
 }
 
-// The fraction of a disc on one side of a chord. x: how far the chord has moved across the disc, 0..1. Within 0.0016, and
-// no steeper than the exact function.
+// The fraction of a disc on one side of a chord. x: how far the chord has moved across the disc, 0..1. Within 0.0012, and
+// no steeper than the exact function. Fitted: tools/fit/chord.cpp.
 APERTURA_FN AperturaFloat aperturaDiscFraction(AperturaFloat x) {
     AperturaFloat bulge = x - x * x;
-    return x + bulge * (AperturaFloat(2.0) * x - AperturaFloat(1.0)) * (AperturaFloat(0.7458) - AperturaFloat(0.88) * bulge);
+    return x + bulge * (AperturaFloat(2.0) * x - AperturaFloat(1.0)) * (AperturaFloat(0.7660) - AperturaFloat(0.9886) * bulge);
 }
 
 // The overlap of a light and an aperture.
@@ -76,7 +76,8 @@ struct AperturaOverlap {
     AperturaFloat inverse;   // 1 / the pseudo-angle between the axes
 };
 
-// `distance`: aperturaDistanceOf the two axes. `height`, `capTerms`: the height and terms of the aperture.
+// `distance`: aperturaDistanceOf the two axes. `height`, `capTerms`: the height and terms of the aperture. Fitted: tools/fit/overlap.cpp,
+// and the reciprocals of the angle, which save a root: inverse_angle.cpp and inverse_angle_medium.cpp.
 APERTURA_FN AperturaOverlap aperturaOverlapOf(AperturaFloat distance, AperturaFloat height, AperturaVec3 capTerms, AperturaCapLight light,
                                               int lightClass) {
     AperturaFloat R = capTerms.x;
@@ -87,15 +88,15 @@ APERTURA_FN AperturaOverlap aperturaOverlapOf(AperturaFloat distance, AperturaFl
     AperturaFloat root = inversesqrt(o.distance);
     AperturaFloat d = o.distance * root * aperturaPseudoAngleOverRoot(o.distance);
     o.inverse = lightClass != APERTURA_LIGHTS_ANY
-                  ? root * (AperturaFloat(0.7165) - AperturaFloat(0.1033) * o.distance)
-                  : root * (AperturaFloat(0.717) - AperturaFloat(0.1198) * o.distance + AperturaFloat(0.02) * o.distance * o.distance);
+                  ? root * (AperturaFloat(0.7054) - AperturaFloat(0.0833) * o.distance)
+                  : root * (AperturaFloat(0.7119) - AperturaFloat(0.1065) * o.distance + AperturaFloat(0.0112) * o.distance * o.distance);
     // x: how far the light has come in, from 0 where it touches from outside to 1 where one is inside the other.
     AperturaFloat x = clamp((R + r - d) * AperturaFloat(0.5) * max(inverseR, light.inverseAngle), AperturaFloat(0.0), AperturaFloat(1.0));
     AperturaFloat k = min(R * light.inverseAngle, r * inverseR);
     AperturaFloat larger = lightClass != APERTURA_LIGHTS_ANY ? height : max(height, light.height);
     AperturaFloat middle = x - x * x;
-    AperturaFloat bulge = k * (AperturaFloat(0.2736) * larger - AperturaFloat(0.2736) - AperturaFloat(0.1778) * k)
-                        + (AperturaFloat(0.573) - AperturaFloat(0.71) * middle - AperturaFloat(0.153) * k)
+    AperturaFloat bulge = k * (AperturaFloat(0.2904) * larger - AperturaFloat(0.2904) - AperturaFloat(0.1778) * k)
+                        + (AperturaFloat(0.5603) - AperturaFloat(0.6492) * middle - AperturaFloat(0.1474) * k)
                               * (AperturaFloat(2.0) * x - AperturaFloat(1.0));
     o.share = clamp(x + middle * bulge, AperturaFloat(0.0), AperturaFloat(1.0));
     return o;
@@ -119,7 +120,7 @@ APERTURA_FN AperturaFloat aperturaCentroidCosine(AperturaOverlap o, AperturaFloa
 }
 
 // E of a cap light through an aperture, cut by the receiver's horizon. A fit of our own to the exact overlap of three
-// caps. Error of E / (pi sin^2 r): 0.003 RMS (0.035 max) for light radii 0.27..45 degrees, 0.005 RMS in APERTURA_LIGHTS_SMALL
+// caps. Error of E / (pi sin^2 r): 0.0023 RMS (0.036 max) for light radii 0.27..45 degrees, 0.005 RMS in APERTURA_LIGHTS_SMALL
 // (tests/aperture_test.cpp).
 APERTURA_FN AperturaFloat aperturaIrradianceThroughAperture(AperturaVec3 normal, AperturaAperture aperture, AperturaCapLight light,
                                                             int lightClass) {

@@ -38,7 +38,7 @@ struct APERTURA_STD140 AperturaCapLight {
     AperturaFloat inverseHeight;  // 1 / height
     AperturaFloat shrink;         // for aperturaLobeOverMedium (soft.glsl)
     AperturaFloat spread;         // for aperturaLobeOverMedium
-    AperturaFloat axialWeight;    // for covariance (edges.glsl)
+    AperturaFloat axialWeight;    // for aperturaCovariance (edges.glsl)
 };
 
 // A cap's height 1 - cos(radius) from sin(radius), for radii up to pi/2, without cancellation.
@@ -48,23 +48,23 @@ APERTURA_FN AperturaFloat aperturaHeightFromSin(AperturaFloat sinRadius) {
 
 // aperturaPseudoAngle over the root of the height. Fitted with the law of overlaps: tools/fit/overlap.cpp.
 APERTURA_FN AperturaFloat aperturaPseudoAngleOverRoot(AperturaFloat height) {
-    return AperturaFloat(1.3946) + AperturaFloat(0.233) * height;
+    return AperturaFloat(1.4038) + AperturaFloat(0.2180) * height;
 }
 
-// The radius of a cap from its height, without trigonometry. Within 4 % for radii up to 148 degrees, 16 % short at 180.
+// The radius of a cap from its height, without trigonometry. Within 4 % for radii up to 145 degrees, 17 % short at 180.
 // Apertures, lights and the distance between them use the same law, so that its error cancels.
 APERTURA_FN AperturaFloat aperturaPseudoAngle(AperturaFloat height) { return sqrt(height) * aperturaPseudoAngleOverRoot(height); }
 
 // How far a light of sine radius s reaches over the horizon. x: its rim, which aperturaHorizonCosine squares; y: the slope of the
-// rim by the cosine between the light's axis and the normal.
+// rim by the cosine between the light's axis and the normal. Fitted: tools/fit/rim.cpp.
 APERTURA_FN AperturaVec2 aperturaRimOf(AperturaFloat s) {
     AperturaFloat s2 = s * s;
-    AperturaFloat k = sqrt(s) * (AperturaFloat(0.4595) + AperturaFloat(0.0607) * s2 + AperturaFloat(0.0732) * s2 * s2);
+    AperturaFloat k = sqrt(s) * (AperturaFloat(0.4590) + AperturaFloat(0.0622) * s2 + AperturaFloat(0.0724) * s2 * s2);
     return AperturaVec2(
-        k, k * (AperturaFloat(1.1268) - AperturaFloat(0.2418) * s2 - AperturaFloat(0.012) * s2 * s2) / max(s, aperturaSmall(1e-6)));
+        k, k * (AperturaFloat(1.1278) - AperturaFloat(0.2383) * s2 - AperturaFloat(0.0144) * s2 * s2) / max(s, aperturaSmall(1e-6)));
 }
 
-// `towards`: to the light, any length; zero gives a zero axis. `sinRadius`: 0..1.
+// `towards`: to the light, any length; zero gives a zero axis. `sinRadius`: 0..1. Shrink and spread are fitted: tools/fit/medium.cpp.
 APERTURA_FN AperturaCapLight aperturaCapLight(AperturaVec3 towards, AperturaFloat sinRadius) {
     AperturaVec3 axis = towards * inversesqrt(max(dot(towards, towards), aperturaSmall(1e-30)));
     AperturaFloat height = aperturaHeightFromSin(sinRadius);
@@ -73,8 +73,8 @@ APERTURA_FN AperturaCapLight aperturaCapLight(AperturaVec3 towards, AperturaFloa
     AperturaFloat bulge = height / max(sinRadius, aperturaSmall(1e-9));
     return AperturaCapLight(axis, sinRadius, height, APERTURA_PI * sinRadius * sinRadius, rim.x, rim.y, angle,
                             AperturaFloat(1.0) / max(angle, aperturaSmall(1e-9)), AperturaFloat(1.0) / max(sinRadius, aperturaSmall(1e-9)),
-                            AperturaFloat(1.0) / max(height, aperturaSmall(1e-18)), AperturaFloat(1.0) - AperturaFloat(0.346) * height,
-                            AperturaFloat(0.62) * sinRadius * sinRadius, AperturaFloat(1.0) - AperturaFloat(0.3333) * bulge * bulge);
+                            AperturaFloat(1.0) / max(height, aperturaSmall(1e-18)), AperturaFloat(1.0) - AperturaFloat(0.5449) * height,
+                            AperturaFloat(0.5769) * sinRadius * sinRadius, AperturaFloat(1.0) - AperturaFloat(0.3333) * bulge * bulge);
 }
 
 // The cap that a sphere of `radius` metres fills, with its centre at `toCentre`, metres from the receiver. From inside

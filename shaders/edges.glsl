@@ -17,7 +17,7 @@ APERTURA_FN AperturaFloat aperturaCovariance(AperturaFloat product, AperturaFloa
 // `correlation`: of their planes over the light; clamped to -1..1. It follows 2 / pi asin(c), the law for two normal
 // variables of correlation c at their medians (Sheppard, "On the application of the theory of error to cases of normal
 // distribution and normal correlation", 1899), and exceeds it by up to 0.13 where the edges nearly agree, because a disc
-// has no tails.
+// has no tails. Fitted: tools/fit/edges.cpp.
 APERTURA_FN AperturaFloat aperturaEdgeAlignment(AperturaFloat correlation) {
     AperturaFloat c = clamp(correlation, -AperturaFloat(1.0), AperturaFloat(1.0));
     return c * (AperturaFloat(0.64) + AperturaFloat(0.36) * c * c);

@@ -19,8 +19,8 @@ APERTURA_FN AperturaFloat aperturaSoftStep(AperturaFloat f) {
     return AperturaFloat(0.5) + AperturaFloat(0.5) * f * inversesqrt(AperturaFloat(1.0) + f * f);
 }
 
-// The constants of an average of aperturaSoftStep over a cap light: fitted to the integral, with a penalty on steps that no light
-// makes.
+// The constants of an average of aperturaSoftStep over a cap light, fitted to the integral: tools/fit/disc.cpp, lobe_disc.cpp,
+// lobe_quarter.cpp, lobe_quarter_4.cpp, quadric_quarter.cpp.
 struct AperturaDiscLaw {
     AperturaFloat shrink;    // how far the centre moves to the cap's centroid, in heights of the cap
     AperturaFloat lean;      // how far it moves to the part of a light that the horizon leaves, in sines of its radius,
@@ -30,21 +30,21 @@ struct AperturaDiscLaw {
     AperturaFloat ends;      // the line's ends: 1 sharp, less is softer, as a disc's edges are
 };
 APERTURA_FN AperturaDiscLaw aperturaWholeDisc(AperturaFloat across, AperturaFloat ends) {
-    return AperturaDiscLaw(AperturaFloat(0.5084), AperturaFloat(0.5032), AperturaFloat(0.1667), across, AperturaFloat(0.22), ends);
+    return AperturaDiscLaw(AperturaFloat(0.4991), AperturaFloat(0.4467), AperturaFloat(0.1294), across, AperturaFloat(0.4513), ends);
 }
 APERTURA_FN AperturaDiscLaw aperturaQuarterDisc(AperturaFloat across, AperturaFloat ends) {
-    return AperturaDiscLaw(AperturaFloat(0.5677), AperturaFloat(0.3954), AperturaFloat(0.1008), across, AperturaFloat(0.2322), ends);
+    return AperturaDiscLaw(AperturaFloat(0.5915), AperturaFloat(0.3949), AperturaFloat(0.1018), across, AperturaFloat(0.0699), ends);
 }
-// Each law is as sharp as possible while no light that crosses the built-in scenes steps further than its rim sweeps (3 %
-// further for three lobes). Lobes and quadrics have laws of their own: edges of several lobes may coincide, and the plane
+// Each law is as close to the integral as possible while no light that crosses the built-in scenes steps further than its rim sweeps (3 %
+// further for three lobes, 2 % for one). Lobes and quadrics have laws of their own: edges of several lobes may coincide, and the plane
 // of a quadric turns from quarter to quarter.
-APERTURA_FN AperturaDiscLaw aperturaSoftDisc() { return aperturaWholeDisc(AperturaFloat(0.65), AperturaFloat(0.87)); }
-APERTURA_FN AperturaDiscLaw aperturaLobeDisc() { return aperturaWholeDisc(AperturaFloat(0.68), AperturaFloat(0.88)); }
+APERTURA_FN AperturaDiscLaw aperturaSoftDisc() { return aperturaWholeDisc(AperturaFloat(0.6575), AperturaFloat(0.9582)); }
+APERTURA_FN AperturaDiscLaw aperturaLobeDisc() { return aperturaWholeDisc(AperturaFloat(0.7406), AperturaFloat(0.9765)); }
 APERTURA_FN AperturaDiscLaw aperturaLobeQuarter(int count) {
-    return count < 4 ? aperturaQuarterDisc(AperturaFloat(0.70), AperturaFloat(0.77))
-                     : aperturaQuarterDisc(AperturaFloat(0.79), AperturaFloat(0.74));
+    return count < 4 ? aperturaQuarterDisc(AperturaFloat(0.6977), AperturaFloat(0.7706))
+                     : aperturaQuarterDisc(AperturaFloat(0.9429), AperturaFloat(0.9056));
 }
-APERTURA_FN AperturaDiscLaw aperturaQuadricQuarter() { return aperturaQuarterDisc(AperturaFloat(0.89), AperturaFloat(0.74)); }
+APERTURA_FN AperturaDiscLaw aperturaQuadricQuarter() { return aperturaQuarterDisc(AperturaFloat(0.6952), AperturaFloat(0.6296)); }
 
 // The mean of aperturaSoftStep(f) over a cap light, weighted by the cosine to the normal, 0..1. f is `centre` at the light's axis
 // and has the gradient `slope`. The integral of aperturaSoftStep has a closed form along a line, and the disc is close to a line.
@@ -101,7 +101,7 @@ APERTURA_FN AperturaFloat aperturaIrradianceThroughSoft(AperturaVec3 normal, Ape
 }
 
 // 1 over the standard deviation of dot(slope, w) over a light's directions w, in the unit of `covariance`, with a term
-// for how soft the edge is compared with the light: fitted to pairs of lobes, tests/soft_test.cpp. `along`: dot(slope,
+// for how soft the edge is compared with the light: fitted to pairs of lobes, tools/fit/edges.cpp. `along`: dot(slope,
 // light.axis).
 APERTURA_FN AperturaFloat aperturaInverseDeviationOfLobe(AperturaVec3 slope, AperturaFloat along, AperturaCapLight light) {
     AperturaFloat s = light.sinRadius;
@@ -110,7 +110,7 @@ APERTURA_FN AperturaFloat aperturaInverseDeviationOfLobe(AperturaVec3 slope, Ape
 }
 
 // A large light as four smaller ones around its centre, for what has no closed form over one disc. `part` has the size of
-// each; its axis is to be replaced.
+// each; its axis is to be replaced. Their offset and size are fitted: tools/fit/lobe_quarter.cpp.
 struct AperturaFourLights {
     AperturaCapLight part;
     AperturaVec3 axis[4];
@@ -124,10 +124,10 @@ APERTURA_FN AperturaFourLights aperturaQuarters(AperturaVec3 normal, AperturaCap
     AperturaVec3 t = aperturaTangentTo(n);
     AperturaVec3 u = t - dot(t, light.axis) / max(AperturaFloat(1.0) + dot(n, light.axis), AperturaFloat(1e-3)) * (light.axis + n);
     AperturaVec3 v = cross(light.axis, u);
-    AperturaFloat side = AperturaFloat(0.6188) * light.sinRadius;
+    AperturaFloat side = AperturaFloat(0.6149) * light.sinRadius;
     AperturaVec3 centre = sqrt(AperturaFloat(1.0) - side * side) * light.axis;
     AperturaFourLights four;
-    four.part = aperturaCapLight(light.axis, AperturaFloat(0.5806) * light.sinRadius);
+    four.part = aperturaCapLight(light.axis, AperturaFloat(0.5802) * light.sinRadius);
     four.axis[0] = centre + side * u;
     four.axis[1] = centre - side * u;
     four.axis[2] = centre + side * v;

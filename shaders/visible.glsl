@@ -33,8 +33,9 @@ APERTURA_FN AperturaVec3 aperturaSlopeOfLobes(AperturaReceiver receiver, int cou
     return c.complement > AperturaFloat(0.5) ? -sum : sum;
 }
 
-// The sharpness that stands for a cap's hard edge where it crosses the light.
-const AperturaFloat APERTURA_CAP_SLOPE = AperturaFloat(100.0);
+// The sharpness that stands for a cap's hard edge where it crosses the light: as much as 16-bit floats can square
+// (tools/fit/cap_slope.cpp).
+const AperturaFloat APERTURA_CAP_SLOPE = AperturaFloat(240.0);
 
 APERTURA_FN AperturaLightVisibility aperturaVisibilityOfLight(int model, AperturaReceiver receiver, AperturaCapLight light,
                                                               int lightClass) {

@@ -36,11 +36,11 @@ Errors againstExact(uint64_t seed, Formula&& formula, double least = 0.27, doubl
     return out;
 }
 
-TEST(Aperture, LightThroughItIsWithinThreeThousandthsOfExact) {
+TEST(Aperture, LightThroughItIsWithinAThousandthOrTwoOfExact) {
     for (uint64_t seed : {11, 12, 13, 14}) {
         const Errors e = againstExact(seed, [](auto... a) { return aperturaIrradianceThroughAperture(a..., APERTURA_LIGHTS_ANY); });
-        EXPECT_LE(e.rms, 0.003) << "seed " << seed;
-        EXPECT_LE(e.max, 0.035) << "seed " << seed;
+        EXPECT_LE(e.rms, 0.0023) << "seed " << seed;
+        EXPECT_LE(e.max, 0.036) << "seed " << seed;
         std::printf("seed %d: rms %.4f max %.4f\n", int(seed), e.rms, e.max);
     }
 }
@@ -61,14 +61,14 @@ TEST(Aperture, AChordLeavesOfADiscWhatItShould) {
     double before = 0;
     for (int i = 1; i <= 1000; ++i) {
         const double x = i / 1000.0, turn = std::acos(1 - 2 * x), share = aperturaDiscFraction(float(x));
-        EXPECT_NEAR(share, (turn - std::sin(turn) * std::cos(turn)) / pi, 0.0016) << x;
+        EXPECT_NEAR(share, (turn - std::sin(turn) * std::cos(turn)) / pi, 0.0012) << x;
         EXPECT_LE((share - before) * 1000, 4 / pi + 1e-3) << x;  // slope of a chord through the centre
         before = share;
     }
 }
 
 TEST(Aperture, ThePublishedFormulaIsTheBaselineThatItIsSaidToBe) {
-    // MATH.md found 0.19 RMS and 0.69 maximum over its mix of lights. This mix is wider and has the same maximum.
+    // 0.19 RMS over lights of the sizes in the header's claim, 0.69 at most; this mix is wider and has the same maximum.
     const Errors e = againstExact(11, [](auto... a) { return aperturaOatIrradianceThroughAperture(a...); });
     EXPECT_GT(e.rms, 0.1);
     EXPECT_NEAR(e.max, 0.69, 0.02);

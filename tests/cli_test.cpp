@@ -173,11 +173,21 @@ TEST(Cli, RefusesAHeightMapOfOnePixel) {
     expectRefusal("bake " + path + " -o " + (folder / "o.glb"), 1, "2 x 2");
 }
 
-TEST(Cli, RefusesEverythingMalformed) {
-    NEEDS_DATA();
+TEST(Cli, RefusesWhatIsMalformedWithOneLine) {
+    const Folder bad, folder;
+    const std::string made = "/usr/bin/python3 -B " APERTURA_SOURCE "/tests/data/malformed.py " + bad.path.string();
+    ASSERT_EQ(std::system(made.c_str()), 0);
+    for (const auto& entry : fs::directory_iterator(bad.path))
+        expectRefusal("bake " + entry.path().string() + " -o " + (folder / "o.glb"), 1, entry.path().filename().string());
+    EXPECT_GT(bad.files(), 30u);
+    EXPECT_EQ(folder.files(), 0u);
+}
+
+TEST(RealScenes, MalformedOnesAreRefusedWithOneLine) {
+    NEEDS_REAL_SCENES();
     const Folder folder;
     int count = 0;
-    for (const auto& entry : fs::recursive_directory_iterator(dataFolder() / "malformed")) {
+    for (const auto& entry : fs::recursive_directory_iterator(realScenes() / "malformed")) {
         if (!entry.is_regular_file() || entry.path().extension() == ".bin") continue;
         expectRefusal("bake " + entry.path().string() + " -o " + (folder / "o.glb"), 1, entry.path().filename().string());
         ++count;
@@ -300,13 +310,16 @@ TEST(Cli, AssetsPassTheKhronosValidator) {
     if (!std::getenv("GLTF_VALIDATOR")) GTEST_SKIP() << "the Khronos glTF validator is not here (tools/test installs it)";
     const Folder folder;
     // Only valid files: faults in the content of an input would be kept.
-    std::vector<std::string> scenes{"builtin:canyon", APERTURA_SOURCE "/tests/data/arcade.glb --at texels --texels 32"};
-    if (fs::exists(dataFolder()))
+    std::vector<std::string> scenes{"builtin:canyon", smallScene("arcade.glb") + " --at texels --texels 32"};
+    for (const char* name : {"cube.gltf", "cube_interleaved.glb", "cube_strips_fans.gltf", "cube_sparse.gltf", "cube_quantized.glb",
+                             "cube_compressed.gltf", "cube.obj"})
+        scenes.push_back(smallScene(name));
+    if (fs::exists(realScenes()))
         for (const char* file : {"gltf/BoxInterleaved.glb", "gltf/CesiumMilkTruck.glb", "gltf/CesiumMilkTruck_quantized.glb",
                                  "gltf/MultiUVTest/MultiUVTest.gltf", "gltf/SimpleMeshes_embedded.gltf",
                                  "gltf/SimpleSparseAccessor_embedded.gltf", "gltf/PrimitiveMode/Mesh_PrimitiveMode_04.gltf",
                                  "gltf/VirtualCity_geom.glb", "gltf/Duck_meshopt_quantized_vp12.glb", "arch/cornell_box.obj"})
-            scenes.push_back((dataFolder() / file).string());
+            scenes.push_back((realScenes() / file).string());
     for (const std::string& scene : scenes)
         for (const char* bits : {"8", "16"}) {
             const std::string at = scene.starts_with("builtin:") ? " --at vertices" : "";  // it is large

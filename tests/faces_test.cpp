@@ -17,6 +17,7 @@
 #include "apertura/runtime/asset/receiver.h"
 #include "apertura/runtime/render/geometry.h"
 #include "apertura/runtime/render/renderer.h"
+#include "tests/baseline.h"
 #include "tests/changed_gltf.h"
 #include "tests/support.h"
 
@@ -328,8 +329,8 @@ TEST(BakeScene, StoresWhatVerticesCannot) {
     std::printf("box on a floor: own %.4f, at vertices %.4f (sky %.4f), on faces %.4f (sky %.4f)\n", fine.own, coarse.rmse, coarse.ambient,
                 fine.rmse, fine.ambient);
     EXPECT_GT(coarse.rmse, 2 * fine.own);  // the box stands where no vertex of the floor is
-    EXPECT_LT(fine.rmse, 1.5 * fine.own);
-    EXPECT_LT(fine.ambient, 0.02);
+    EXPECT_LT(fine.rmse, atMost(baseline::kBoxOnFaces));
+    EXPECT_LT(fine.ambient, atMost(baseline::kSkyOfBoxOnFaces));
     // The report says about what is measured, though it knows nothing of these receivers.
     baked(At::Faces, 0);
     const double added = std::sqrt(fine.rmse * fine.rmse - fine.own * fine.own);

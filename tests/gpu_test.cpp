@@ -7,6 +7,7 @@
 #include "apertura/runtime/render/cost.h"
 #include "apertura/runtime/render/draw.h"
 #include "apertura/runtime/render/renderer.h"
+#include "tests/baseline.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -147,7 +148,7 @@ TEST_F(GpuTest, ShowsWhatTheReferenceShows) {
     const Picture soft = renderer.draw(view, *findModel("soft")), oat = renderer.draw(view, *findModel("oat"));
     std::printf("terrain: soft %.4f and oat %.4f from the reference, whose mean is %.3f\n", differenceOf(soft, truth),
                 differenceOf(oat, truth), meanOf(truth));
-    EXPECT_LT(differenceOf(soft, truth), 0.12 * meanOf(truth));
+    EXPECT_LT(differenceOf(soft, truth), atMost(baseline::kTerrainOfSoft) * meanOf(truth));
     EXPECT_GT(differenceOf(oat, truth), 1.3 * differenceOf(soft, truth));
     // Silhouettes fall on the same pixels: those with exactly the sky's colour.
     int both = 0, either = 0;
@@ -190,7 +191,7 @@ TEST_F(GpuTest, TheShadowMapShowsTheShadowsOfTheReference) {
         const Picture truth = traceReference(Tracer(asset.scene), view, {});
         const double off = differenceOf(renderer.drawShadowMapped(view), truth);
         std::printf("shadow map, light of %.3f rad: %.4f from the reference, whose mean is %.3f\n", radius, off, meanOf(truth));
-        EXPECT_LT(off, 0.16 * meanOf(truth));
+        EXPECT_LT(off, atMost(baseline::kShadowMap) * meanOf(truth));
     }
     view.lights = {sphereLight({0, 4, 0}, 1, vec3(2))};
     EXPECT_THROW(renderer.drawShadowMapped(view), Error);

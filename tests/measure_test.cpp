@@ -3,6 +3,7 @@
 
 #include "apertura/bake/scene/builtin.h"
 #include "apertura/bake/scene/load.h"
+#include "tests/baseline.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -44,7 +45,7 @@ TEST(Truth, OfAnOpenLightIsTheClosedForm) {
 }
 
 TEST(Measure, ModelsStandInTheOrderOfTheTable) {
-    // The order of MATH.md's table at 5 degrees: in every scene soft beats aperture, aperture beats oat, and soft beats ao-area.
+    // At 5 degrees, in every scene soft beats aperture, aperture beats oat, and soft beats ao-area.
     for (const char* name : {"terrain", "sphere-over-plane", "room-2", "canyon", "colonnade", "forest", "statue"}) {
         const Measurement m = measureScene(makeBuiltin(name), at5(150));
         EXPECT_LT(rmse(m, "soft"), rmse(m, "aperture")) << name;
@@ -58,34 +59,21 @@ TEST(Measure, ModelsStandInTheOrderOfTheTable) {
     }
 }
 
-TEST(Measure, RealScenesReachTheirFigures) {
-    NEEDS_DATA();
-    const struct {
-        const char* file;
-        double soft, aperture;
-    } cases[] = {{"statues/stanford_bunny.obj", 0.074, 0.104},
-                 {"statues/armadillo_86k.obj", 0.110, 0.148},
-                 {"dem/andes_S33W071_srtm3_1201.tif", 0.039, 0.046}};
-    for (const auto& c : cases) {
-        const Measurement m = measureScene(loadScene((dataFolder() / c.file).string(), {90, 90}), at5(600));
+TEST(RealScenes, ModelsReachTheirFigures) {
+    NEEDS_REAL_SCENES();
+    for (const baseline::RealScene& c : baseline::kRealScenes) {
+        const Measurement m = measureScene(loadScene((realScenes() / c.file).string(), {90, 90}), at5(600));
         std::printf("%s: soft %.4f aperture %.4f\n", c.file, rmse(m, "soft"), rmse(m, "aperture"));
-        EXPECT_LE(rmse(m, "soft"), c.soft) << c.file;
-        EXPECT_LE(rmse(m, "aperture"), c.aperture) << c.file;
+        EXPECT_LE(rmse(m, "soft"), atMost(c.soft)) << c.file;
+        EXPECT_LE(rmse(m, "aperture"), atMost(c.aperture)) << c.file;
     }
 }
 
-TEST(Measure, TheBuiltInScenesReachTheirMeans) {
+TEST(Measure, ModelsReachTheirMeansOverTheBuiltInScenes) {
 #ifdef __SANITIZE_ADDRESS__
     GTEST_SKIP() << "minutes with sanitizers; the other tests run the same code";
 #endif
-    // Upper bounds at 5, 15 and 30 degrees. The first two rows are at least as good as MATH.md's prototypes; the others are
-    // measured here, with a margin for the receivers' seed.
-    const struct {
-        const char *model, *source;
-        double most[3];
-    } cases[] = {{"soft", "sh", {0.105, 0.068, 0.044}},    {"soft", "fit", {0.088, 0.056, 0.039}},
-                 {"firm-2", "fit", {0.062, 0.036, 0.022}}, {"firm-3", "fit", {0.049, 0.028, 0.018}},
-                 {"firm-4", "fit", {0.044, 0.022, 0.020}}, {"auto", "fit", {0.065, 0.044, 0.025}}};
+    const auto& cases = baseline::kBuiltInScenes;
     const auto scenes = double(builtinNames().size());
     double sum[std::size(cases)][3]{}, numbers = 0, ambient = 0;
     for (const std::string& name : builtinNames()) {
@@ -104,13 +92,13 @@ TEST(Measure, TheBuiltInScenesReachTheirMeans) {
         std::printf("%-8s %-4s", cases[c].model, cases[c].source);
         for (int r = 0; r < 3; ++r) {
             std::printf(" %.4f", sum[c][r]);
-            EXPECT_LE(sum[c][r], cases[c].most[r]) << cases[c].model;
+            EXPECT_LE(sum[c][r], atMost(cases[c].rmse[r])) << cases[c].model;
         }
         std::printf("\n");
     }
     std::printf("auto: %.2f numbers a point; sky of the fitted coefficients %.4f\n", numbers, ambient);
-    EXPECT_LE(numbers, 5.6);
-    EXPECT_LE(ambient, 0.004);
+    EXPECT_LE(numbers, atMost(baseline::kNumbersOfAuto));
+    EXPECT_LE(ambient, atMost(baseline::kSkyOfFittedCoefficients));
 }
 
 TEST(Measure, AnAssetAddsItsBytesAndInterpolation) {

@@ -234,9 +234,9 @@ TEST(Asset, RefusesWhatIsNoVisibilityOrNoBuffer) {
                  Error);
 }
 
-TEST(HeightMap, ReadsEveryKindThatIsHere) {
-    NEEDS_DATA();
-    const auto dem = dataFolder() / "dem";
+TEST(RealScenes, HeightMapsHaveTheirSizesAndHeights) {
+    NEEDS_REAL_SCENES();
+    const auto dem = realScenes() / "dem";
     const Scene andes = loadScene((dem / "andes_S33W071_srtm3_1201.tif").string(), {90, 90});
     EXPECT_EQ(andes.surfaces[0].positions.size(), 1201u * 1201);
     Box box = worldBounds(andes);
@@ -257,8 +257,8 @@ TEST(HeightMap, ReadsEveryKindThatIsHere) {
     for (const glm::vec3& n : andes.surfaces[0].normals) ASSERT_GT(n.y, 0);
 }
 
-TEST(MeshFile, CountsAsInTheIndex) {
-    NEEDS_DATA();
+TEST(RealScenes, MeshesHaveTheirCountsAndBounds) {
+    NEEDS_REAL_SCENES();
     const struct {
         const char* file;
         size_t triangles;
@@ -280,7 +280,7 @@ TEST(MeshFile, CountsAsInTheIndex) {
         {"gltf/teapots_galore/teapots_galore.gltf", 7656770, {-339.4f, 0, -339.4f}, {339.4f, 13.3f, 339.4f}},
     };
     for (const auto& c : cases) {
-        const Scene scene = loadScene((dataFolder() / c.file).string());
+        const Scene scene = loadScene((realScenes() / c.file).string());
         EXPECT_EQ(triangleCount(scene), c.triangles) << c.file;
         const Box box = worldBounds(scene);
         const float size = glm::length(c.high - c.low);

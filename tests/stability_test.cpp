@@ -176,11 +176,9 @@ TEST(Stability, WhatIsMixedStaysBetweenItsEndsForASun) {
 
 TEST(Stability, EveryPackedValueIsPossible) {
     const vec3 up(0, 1, 0);
-    uint64_t checked = 0;
     auto check = [&](const Packed8& bytes) {
         const Visibility v = unpack(bytes);
         const float length = glm::length(v.direction);
-        ++checked;
         return v.area >= 0 && v.area <= float(2 * pi) && length <= v.area * (1 - v.area / float(4 * pi)) * 1.00001f + 1e-12f
             && std::isfinite(length);
     };
@@ -192,7 +190,6 @@ TEST(Stability, EveryPackedValueIsPossible) {
                 for (int z = -128; z < 128; z += step)
                     ASSERT_TRUE(check({int8_t(x), int8_t(y), int8_t(z), int8_t(w)})) << x << " " << y << " " << z << " " << w;
     }
-    EXPECT_GE(checked, uint64_t(1) << 24);
     // Light through random ones.
     Random random(55);
     for (int i = 0; i < 300000; ++i) {

@@ -62,10 +62,17 @@ inline double exactFraction(const glm::dvec3& normal, std::vector<ExactCap> caps
     return glm::dot(normal, vectorIrradiance(caps)) / (pi * std::sin(lightRadius) * std::sin(lightRadius));
 }
 
-// The folder of real scenes beside the checkout. It may not exist: see NEEDS_DATA.
-inline std::filesystem::path dataFolder() { return std::filesystem::path(APERTURA_SOURCE) / ".." / "shared" / "data"; }
-#define NEEDS_DATA() \
-    if (!std::filesystem::exists(apertura::test::dataFolder())) GTEST_SKIP() << "the real scenes of ../shared/data are not here"
+// A small scene of our own: tests/data.
+inline std::string smallScene(const std::string& name) { return std::string(APERTURA_SOURCE "/tests/data/") + name; }
+
+// The folder of real scenes that are not in this repository, which $APERTURA_SCENES names. Tests that need it are the suite RealScenes;
+// tools/test leaves them out, with a line, where it is not set.
+inline std::filesystem::path realScenes() {
+    const char* const folder = std::getenv("APERTURA_SCENES");
+    return folder ? folder : "";
+}
+#define NEEDS_REAL_SCENES() \
+    if (!std::filesystem::exists(apertura::test::realScenes())) GTEST_SKIP() << "$APERTURA_SCENES names no folder of real scenes"
 
 // A temporary folder, removed by the destructor.
 struct Folder {

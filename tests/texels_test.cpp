@@ -13,6 +13,7 @@
 #include "apertura/runtime/asset/texels.h"
 #include "apertura/runtime/render/geometry.h"
 #include "apertura/runtime/render/renderer.h"
+#include "tests/baseline.h"
 #include "tests/box_over_seam.h"
 #include "tests/changed_gltf.h"
 #include "tests/support.h"
@@ -118,8 +119,8 @@ TEST(BakeTexels, DrawWhatFacesDrawAndHideTheSeam) {
             ASSERT_EQ(asset.seen[i].texels.visibility[k].area, again.seen[i].texels.visibility[k].area);
     const MeasureRow row = measureAsset(asset, softAt(300)).rows[0];
     std::printf("box over a seam: own %.4f, in an image %.4f (sky %.4f)\n", row.own, row.rmse, row.ambient);
-    EXPECT_LT(row.rmse, 1.15 * row.own);
-    EXPECT_LT(row.ambient, 0.02);
+    EXPECT_LT(row.rmse, atMost(baseline::kBoxInImage));
+    EXPECT_LT(row.ambient, atMost(baseline::kSkyOfBoxInImage));
     // Under the box, where visibility changes along the seam, its two sides are alike.
     double most = 0, change = 0, before = 0;
     for (int k = 0; k <= 200; ++k) {
@@ -168,8 +169,8 @@ TEST(BakeTexels, ErrAsSamplesOnFacesDoForTheSameBytes) {
     std::printf("arcade: on faces %.4f (sky %.4f) in %.0f bytes, in images %.4f (%.4f) in %.0f\n", faces.rmse, faces.ambient, faceBytes,
                 image.rmse, image.ambient, imageBytes);
     EXPECT_LT(imageBytes, faceBytes);
-    EXPECT_LT(image.rmse, 1.1 * faces.rmse);
-    EXPECT_LT(image.ambient, 0.022);
+    EXPECT_LT(image.rmse, atMost(baseline::kArcadeInImages));
+    EXPECT_LT(image.ambient, atMost(baseline::kSkyOfArcadeInImages));
 }
 
 // Six charts for a surface that every ray from the middle crosses once: a cube about it, its sides three beside each other in two rows.
@@ -222,8 +223,8 @@ TEST(BakeTexels, ErrLittleMoreThanVerticesOnAStatueOfSixCharts) {
     std::printf("statue: on faces %.4f (sky %.4f) in %.0f bytes, in images %.4f (%.4f) in %.0f\n", faces.rmse, faces.ambient, faceBytes,
                 image.rmse, image.ambient, imageBytes);
     EXPECT_LT(imageBytes, faceBytes);
-    EXPECT_LT(image.rmse, 1.13 * faces.rmse);
-    EXPECT_LT(image.ambient, 1.2 * faces.ambient);
+    EXPECT_LT(image.rmse, atMost(baseline::kStatueInImages));
+    EXPECT_LT(image.ambient, atMost(baseline::kSkyOfStatueInImages));
 }
 
 TEST(TexelImages, ComeBackFromTheFileAndAreReplaced) {
@@ -556,8 +557,8 @@ TEST(TexelMips, AreDrawnWithoutAliases) {
         const double away = error(imaged([](int, int y) { return y % 2 == 0; }), model);
         const double along = error(imaged([](int x, int) { return x / 4 % 2 == 0; }), model);
         std::printf("%s: stripes across err by %.3f, along by %.3f\n", model, away, along);
-        EXPECT_LT(away, 0.06) << model;   // without mips .062 to .069; with what is converted at load, soft .38
-        EXPECT_LT(along, 0.08) << model;  // with one place a pixel .12 to .13
+        EXPECT_LT(away, atMost(baseline::kStripesAcross)) << model;  // without mips .062 to .069; with what is converted at load, soft .38
+        EXPECT_LT(along, atMost(baseline::kStripesAlong)) << model;  // with one place a pixel .12 to .13
     }
 }
 

@@ -108,6 +108,7 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
         throw Error("cannot be read as an image: " + oneLine(cause));
     }
     if (!in) throw Error("cannot be read as an image: " + oneLine(OIIO::geterror()));
+    in->threads(1);  // a forked process has none of the pool that its parent may have started
     const OIIO::ImageSpec spec = in->spec();
     if (spec.width < 2 || spec.height < 2)
         throw Error("a height map needs at least 2 x 2 texels, this has " + std::to_string(spec.width) + " x "
@@ -125,8 +126,10 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
                     + " channels where a height map has one; where colours pack heights as Terrain-RGB does, give --terrain-rgb");
     if (channels > 16) throw Error("has too many channels");
 
-    // Reads one row of texels or of tiles at a time.
-    const int rows = spec.tile_width > 0 ? std::clamp(spec.tile_height, 1, spec.height) : 1;
+    // Reads one row of texels or of tiles at a time. Of 64-bit floats OpenImageIO 2.4 reads a single row as zeros, and says that all is
+    // well: these are read whole.
+    const bool whole = spec.tile_width <= 0 && spec.format == OIIO::TypeDesc::DOUBLE;
+    const int rows = spec.tile_width > 0 ? std::clamp(spec.tile_height, 1, spec.height) : whole ? spec.height : 1;
     std::vector<unsigned char> raw(size_t(spec.width) * channels * spec.format.size() * rows);
     HeightMap map{spec.width, spec.height, {}};
     const float nothing = in->format_name() == std::string("tiff") ? noDataValue(path) : kVoid;
@@ -135,7 +138,8 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
             const int first = spec.y + y, end = spec.y + std::min(y + rows, spec.height);
             const bool read = spec.tile_width > 0
                                 ? in->read_tiles(0, 0, spec.x, spec.x + spec.width, first, end, 0, 1, 0, channels, spec.format, raw.data())
-                                : in->read_scanline(first, 0, spec.format, raw.data());
+                            : whole ? in->read_image(0, 0, 0, channels, spec.format, raw.data())
+                                    : in->read_scanline(first, 0, spec.format, raw.data());
             if (!read) throw Error("cannot be read: " + oneLine(in->geterror()));
         }
         for (int x = 0; x < spec.width; ++x) {

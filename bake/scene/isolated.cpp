@@ -1,5 +1,6 @@
 #include "apertura/bake/scene/isolated.h"
 
+#include <OpenEXR/ImfThreading.h>
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -63,6 +64,9 @@ void limitResources(const ResourceLimits& limits) {
     const int silence = open("/dev/null", O_WRONLY);
     dup2(silence, STDERR_FILENO);
     limitResources(limits);
+    // Processor time does not pass while a library waits: what waits is ended too, long after a busy machine would be done.
+    std::signal(SIGALRM, SIG_DFL);
+    alarm(unsigned(std::min(60 + 20 * limits.seconds, 3600.0)));
     std::string failure;
     try {
         PipeWriter writer(to);
@@ -130,8 +134,12 @@ IsolatedWork::IsolatedWork(std::string path, const ResourceLimits& limits, const
     : path_(std::move(path)), mostBytes_(limits.bytes) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw Error(path_ + ": cannot be read: no pipe");
+    // A forked process has none of its parent's threads and would wait for OpenEXR's for ever: fork while there are none.
+    const int threads = Imf::globalThreadCount();
+    Imf::setGlobalThreadCount(0);
     child_ = fork();
     if (child_ == 0) child(ends[1], limits, work);
+    Imf::setGlobalThreadCount(threads);
     close(ends[1]);
     from_ = ends[0];
     if (child_ >= 0) return;
@@ -162,7 +170,7 @@ void IsolatedWork::finish(const std::function<void(PipeReader&)>& receive) {
     while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
     }
     child_ = -1;
-    if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL))
+    if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGALRM))
         failure = "cannot be read: takes longer than a file of its size should";
     if (!failure.empty()) throw Error(path_ + ": " + failure);
 }

@@ -102,7 +102,7 @@ void fillGutters(TexelMap& map) {
 
 // What an image stores of a point: D / pi and A / pi - 1, each -1..1. They are linear in visibility, so that whatever filters an image
 // filters that. (D / A and the root of A, which vertices store, err a quarter more of the sky between texels, and a third more down the
-// mips: tools/storage.md.)
+// mips: tools/results/storage.md.)
 glm::vec4 storedOf(const Visibility& v) { return {v.direction / kPi, v.area / kPi - 1}; }
 Visibility visibilityOf(const glm::vec4& stored) { return clampToPossible({kPi * glm::vec3(stored), kPi * (stored.w + 1)}); }
 
