@@ -13,18 +13,18 @@ static_assert(offsetof(AperturaCapLight, area) == 20 && offsetof(AperturaCapLigh
 static_assert(offsetof(AperturaCapLight, inverseSin) == 40 && offsetof(AperturaCapLight, shrink) == 48
               && offsetof(AperturaCapLight, axialWeight) == 56);
 
-static_assert(sizeof(Light) == 96);
-static_assert(offsetof(Light, cap) == 0 && offsetof(Light, sphere) == 64 && offsetof(Light, radiance) == 80);
+static_assert(sizeof(AperturaLight) == 96);
+static_assert(offsetof(AperturaLight, cap) == 0 && offsetof(AperturaLight, sphere) == 64 && offsetof(AperturaLight, radiance) == 80);
 
-static_assert(sizeof(Frame) == 112 + 96 * MAX_LIGHTS);
-static_assert(offsetof(Frame, toClip) == 0 && offsetof(Frame, sky) == 64 && offsetof(Frame, albedo) == 80);
-static_assert(offsetof(Frame, counts) == 96 && offsetof(Frame, lights) == 112);
+static_assert(sizeof(AperturaFrame) == 112 + 96 * APERTURA_MAX_LIGHTS);
+static_assert(offsetof(AperturaFrame, toClip) == 0 && offsetof(AperturaFrame, sky) == 64 && offsetof(AperturaFrame, albedo) == 80);
+static_assert(offsetof(AperturaFrame, counts) == 96 && offsetof(AperturaFrame, lights) == 112);
 
-static_assert(sizeof(SceneVertex) == 32);
-static_assert(offsetof(SceneVertex, position) == 0 && offsetof(SceneVertex, normal) == 16);
+static_assert(sizeof(AperturaSceneVertex) == 32);
+static_assert(offsetof(AperturaSceneVertex, position) == 0 && offsetof(AperturaSceneVertex, normal) == 16);
 
-static_assert(sizeof(Evaluation) == 48 + 16 * APERTURA_MAX_SLOTS);
-static_assert(offsetof(Evaluation, normal) == 0 && offsetof(Evaluation, light) == 16 && offsetof(Evaluation, visibility) == 32
-              && offsetof(Evaluation, params) == 48);
+static_assert(sizeof(AperturaEvaluation) == 48 + 16 * APERTURA_MAX_SLOTS);
+static_assert(offsetof(AperturaEvaluation, normal) == 0 && offsetof(AperturaEvaluation, light) == 16
+              && offsetof(AperturaEvaluation, visibility) == 32 && offsetof(AperturaEvaluation, params) == 48);
 
 }  // namespace apertura

@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
             const double p = 1 - 2.0 * j / (APERTURA_SOFT_PSIS - 1), psi = std::atan2(1 - std::abs(p), p);
             const double edge = boundary(psi);
             for (int k = 0; k < APERTURA_SOFT_REACHES; ++k) {
-                const double reach = std::max<double>(APERTURA_SOFT_REACH * k / (APERTURA_SOFT_REACHES - 1), 1e-4);
+                const double reach = std::max(double(APERTURA_SOFT_REACH * float(k) / float(APERTURA_SOFT_REACHES - 1)), 1e-4);
                 const double rho = 1 - (1 - reach) * (1 - reach);
                 const double length = rho * edge * area / 2 * (1 - x);
                 const SoftSolution s = solveSoft({area, area / 2 + length * std::cos(psi), length * std::sin(psi)});

@@ -66,7 +66,7 @@ constexpr Model kModels[] = {
     {.id = APERTURA_MODEL_OAT, .name = "oat", .numbers = 3, .slots = 1, .mixes = true, .baseline = true, .fromVisibility = oneCap,
      .what = "aperture, formula as published in 2006"},
     {.id = APERTURA_MODEL_APERTURE, .name = "aperture", .kind = Kind::Aperture, .numbers = 3, .slots = 2, .fromVisibility = oneCap, .autoTag = 1, .cycles = 62,
-     .what = "aperture, exact overlap of caps within 0.003"},
+     .what = "aperture, exact overlap of caps within 0.0023"},
     {.id = APERTURA_MODEL_ALPHA, .name = "alpha", .kind = Kind::Aperture, .numbers = 4, .slots = 2, .fromVisibility = alphaCap,
      .what = "translucent aperture with all four numbers"},
     {.id = APERTURA_MODEL_ANTI, .name = "anti", .kind = Kind::Anti, .numbers = 4, .slots = 4, .fromVisibility = capAndAnti, .stored = {Cap},

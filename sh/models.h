@@ -20,7 +20,7 @@ enum class Field {
     Cap,       // an aperture; 3 numbers: x and y of the axis by octahedral mapping, and radius / pi
     Lobe,      // slope s and offset o; 4 numbers: x and y of the slope's axis, |s| / (|s| + 4), and the edge o / sqrt(1 + s^2 + o^2)
     HardLobe,  // a lobe with |s| = kHardSharpness or kSofterSharpness; 3 numbers: x and y of its axis, and 1/2 + edge / 2
-    Bend,      // a AperturaSoftQuadric's bend, in two slots; 5 numbers
+    Bend,      // an AperturaSoftQuadric's bend, in two slots; 5 numbers
     Heights4,  // sines of elevation at 4, 8, 16 or 32 azimuths (shaders/horizon.glsl), four to a slot; as many numbers
     Heights8,
     Heights16,
@@ -65,7 +65,7 @@ struct Model {
     int numbers;    // a point's numbers that the light's formula reads; of bits, eight to a number
     int slots = 0;  // vec4s of its parameters, 0..APERTURA_MAX_SLOTS
     // true: parameters may be interpolated, and the mix lies between its ends in every direction (a baseline's need not). false: the
-    // light at the three corners of a triangle is interpolated. A model that mixes axes has a case in `renormalised`.
+    // light at the three corners of a triangle is interpolated. A model that mixes axes has a case in aperturaRenormalised.
     bool mixes = false;
     bool baseline = false;  // a rival, or a method as published: kept as it is where it fails
     // Makes the parameters from the four numbers; `normal` is unit. nullptr for models that must be stored.

@@ -89,7 +89,8 @@ APERTURA_FN AperturaOverlap aperturaOverlapOf(AperturaFloat distance, AperturaFl
     AperturaFloat d = o.distance * root * aperturaPseudoAngleOverRoot(o.distance);
     o.inverse = lightClass != APERTURA_LIGHTS_ANY
                   ? root * (AperturaFloat(0.7054) - AperturaFloat(0.0833) * o.distance)
-                  : root * (AperturaFloat(0.7119) - AperturaFloat(0.1065) * o.distance + AperturaFloat(0.0112) * o.distance * o.distance);
+                  : root
+                        * (AperturaFloat(0.71188) - AperturaFloat(0.10650) * o.distance + AperturaFloat(0.01124) * o.distance * o.distance);
     // x: how far the light has come in, from 0 where it touches from outside to 1 where one is inside the other.
     AperturaFloat x = clamp((R + r - d) * AperturaFloat(0.5) * max(inverseR, light.inverseAngle), AperturaFloat(0.0), AperturaFloat(1.0));
     AperturaFloat k = min(R * light.inverseAngle, r * inverseR);
@@ -179,7 +180,7 @@ APERTURA_FN AperturaFloat aperturaVisibleFractionOfEither(AperturaVec3 normal, A
     return large ? AperturaFloat(1.0) - share : share;
 }
 
-// 1 over the standard deviation of dot(axis, w) over a light's directions w, in the unit of `covariance`. `along`: the
+// 1 over the standard deviation of dot(axis, w) over a light's directions w, in the unit of aperturaCovariance. `along`: the
 // cosine between the two axes.
 APERTURA_FN AperturaFloat aperturaInverseDeviationOfCap(AperturaFloat along, AperturaCapLight light) {
     return inversesqrt(max(aperturaCovariance(AperturaFloat(1.0), along, along, light), aperturaSmall(1e-12)));

@@ -59,9 +59,9 @@ APERTURA_FN AperturaFloat aperturaPseudoAngle(AperturaFloat height) { return sqr
 // rim by the cosine between the light's axis and the normal. Fitted: tools/fit/rim.cpp.
 APERTURA_FN AperturaVec2 aperturaRimOf(AperturaFloat s) {
     AperturaFloat s2 = s * s;
-    AperturaFloat k = sqrt(s) * (AperturaFloat(0.4590) + AperturaFloat(0.0622) * s2 + AperturaFloat(0.0724) * s2 * s2);
+    AperturaFloat k = sqrt(s) * (AperturaFloat(0.45902) + AperturaFloat(0.06219) * s2 + AperturaFloat(0.07244) * s2 * s2);
     return AperturaVec2(
-        k, k * (AperturaFloat(1.1278) - AperturaFloat(0.2383) * s2 - AperturaFloat(0.0144) * s2 * s2) / max(s, aperturaSmall(1e-6)));
+        k, k * (AperturaFloat(1.12786) - AperturaFloat(0.23844) * s2 - AperturaFloat(0.01434) * s2 * s2) / max(s, aperturaSmall(1e-6)));
 }
 
 // `towards`: to the light, any length; zero gives a zero axis. `sinRadius`: 0..1. Shrink and spread are fitted: tools/fit/medium.cpp.

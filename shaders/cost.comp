@@ -12,7 +12,7 @@ layout(constant_id = 3) const bool sky = false;  // with the irradiance from the
 layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) readonly buffer Points { vec4 points[]; };  // normal, visibility, parameters
 layout(std430, set = 0, binding = 1) writeonly buffer Results { float results[]; };
-layout(set = 0, binding = 2) uniform LightBlock { Light light; };
+layout(set = 0, binding = 2) uniform LightBlock { AperturaLight light; };
 
 void main() {
     uint i = gl_GlobalInvocationID.x;

@@ -5,7 +5,7 @@
 #include "cap.glsl"
 
 // The covariance of dot(a, w) and dot(b, w) over a light's directions w, in units of sinRadius^2 / 4. The variance of w
-// is one such unit across the light's axis, and height^2 / 12 along it. Within 6 % of the product of the two deviations
+// is one such unit across the light's axis, and height^2 / 12 along it. Within 7 % of the product of the two deviations
 // for radii up to 45 degrees.
 //   product         dot(a, b)
 //   alongA, alongB  dot(a, light.axis), dot(b, light.axis)
@@ -63,7 +63,7 @@ APERTURA_FN AperturaMeanProducts aperturaPlainProducts(AperturaVec4 p) {
     return AperturaMeanProducts(AperturaVec2(p.x * p.y, p.z * p.w), p.z * p.w, p.x * p.y * p.z * p.w);
 }
 
-// For `count` factors, 2 to 4, from their means p and their edgeAlignments: w1 of 01; w2 of 02, 12; w3 of 03, 13, 23.
+// For `count` factors, 2 to 4, from their means p and their aperturaEdgeAlignments: w1 of 01; w2 of 02, 12; w3 of 03, 13, 23.
 APERTURA_FN AperturaMeanProducts aperturaMeanProducts(int count, AperturaVec4 p, AperturaFloat w1, AperturaVec2 w2, AperturaVec3 w3) {
     AperturaMeanProducts m;
     m.pair = AperturaVec2(aperturaMeanOfTwo(p.x, p.y, w1), p.z);

@@ -3,7 +3,7 @@
 #define APERTURA_EVALUATE_GLSL
 #include "models.glsl"
 
-struct Evaluation {
+struct AperturaEvaluation {
     vec4 normal;      // xyz
     vec4 light;       // xyz: axis; w: sinRadius
     vec4 visibility;  // D, A

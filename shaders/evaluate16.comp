@@ -28,7 +28,7 @@
 layout(constant_id = 0) const int model = APERTURA_MODEL_SOFT;
 layout(constant_id = 1) const int lightClass = APERTURA_LIGHTS_ANY;
 layout(local_size_x = 64) in;
-layout(std430, set = 0, binding = 0) readonly buffer Inputs { Evaluation inputs[]; };
+layout(std430, set = 0, binding = 0) readonly buffer Inputs { AperturaEvaluation inputs[]; };
 layout(std430, set = 0, binding = 1) writeonly buffer Outputs { vec2 results[]; };  // light, sky
 
 float16_t narrow(float x) { return float16_t(clamp(x, -65504.0, 65504.0)); }

@@ -12,7 +12,7 @@ void lightVertex(uint vertex) {
     vec3 normal = vertices[vertex].normal.xyz;
     uint at = litVertex(vertex);
     for (int i = 0; i < frame.counts.x; ++i) {
-        AperturaCapLight light = capSeenFrom(vertices[vertex].position.xyz, frame.lights[i], lightClass);
+        AperturaCapLight light = aperturaCapSeenFrom(vertices[vertex].position.xyz, frame.lights[i], lightClass);
         // A pixel may face a light that its vertex does not: there the vertex is lit as if it leant towards it.
         vec3 leaning = normalize(normal + max(2.0 * light.sinRadius + 0.05 - dot(normal, light.axis), 0.0) * light.axis);
         float open = aperturaUnoccludedIrradiance(leaning, light, lightClass);

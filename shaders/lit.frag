@@ -4,13 +4,13 @@
 #include "scene.glsl"
 
 layout(constant_id = 0) const int model = APERTURA_MODEL_SOFT;
-layout(constant_id = 1) const int more = MAX_LIGHTS / 4;
+layout(constant_id = 1) const int more = APERTURA_MAX_LIGHTS / 4;
 layout(constant_id = 2) const int lightClass = APERTURA_LIGHTS_ANY;
 
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
 layout(location = 2) in vec4 seen;
-layout(location = 3) in vec4 visible[MAX_LIGHTS / 4];
+layout(location = 3) in vec4 visible[APERTURA_MAX_LIGHTS / 4];
 
 layout(location = 0) out vec4 colour;
 
@@ -18,8 +18,8 @@ vec3 irradiance = vec3(0.0);
 float lit = 0.0;
 
 // Without blockers a light's E is that of the pixel: its own normal, and what it sees of a lamp.
-void addLight(vec3 normal, Light light, float fraction) {
-    float e = fraction * aperturaUnoccludedIrradiance(normal, capSeenFrom(worldPosition, light, lightClass), lightClass);
+void addLight(vec3 normal, AperturaLight light, float fraction) {
+    float e = fraction * aperturaUnoccludedIrradiance(normal, aperturaCapSeenFrom(worldPosition, light, lightClass), lightClass);
     irradiance += e * light.radiance.rgb;
     lit += e;
 }

@@ -7,15 +7,15 @@
 layout(constant_id = 0) const int model = APERTURA_MODEL_SOFT;
 layout(std430, set = 0, binding = 5) readonly buffer Seen { vec4 visibility[]; };  // D, A, sr, of each vertex
 
-layout(constant_id = 1) const int more = MAX_LIGHTS / 4;  // vec4s of lights after the first light
+layout(constant_id = 1) const int more = APERTURA_MAX_LIGHTS / 4;  // vec4s of lights after the first light
 
 layout(location = 0) out vec3 worldPosition;
 layout(location = 1) out vec3 worldNormal;
 layout(location = 2) out vec4 seen;  // D, or x: the sky's E, for models whose sky needs more; w: the first light's fraction
-layout(location = 3) out vec4 visible[MAX_LIGHTS / 4];  // the other lights' fractions
+layout(location = 3) out vec4 visible[APERTURA_MAX_LIGHTS / 4];  // the other lights' fractions
 
 void main() {
-    SceneVertex v = vertices[gl_VertexIndex];
+    AperturaSceneVertex v = vertices[gl_VertexIndex];
     uint at = litVertex(gl_VertexIndex);
     worldPosition = v.position.xyz;
     worldNormal = v.normal.xyz;

@@ -102,7 +102,7 @@ APERTURA_FN AperturaFloat aperturaIrradianceByRival(int model, AperturaReceiver 
 
 // E of a cap light at the receiver, by the formula of `model`; APERTURA_NO_FORMULA for a number that is no model's.
 //   model       APERTURA_MODEL_..., best a specialisation constant
-//   receiver    its params as toParams (sh/models.h) makes them; see renormalised where they were interpolated
+//   receiver    its params as toParams (sh/models.h) makes them; see aperturaRenormalised where they were interpolated
 //   lightClass  of the APERTURA_LIGHTS_... that cover the light, the one with the smallest radius; best a constant, too
 APERTURA_FN AperturaFloat aperturaIrradianceThrough(int model, AperturaReceiver receiver, AperturaCapLight light, int lightClass) {
     AperturaVec3 n = receiver.normal;

@@ -62,7 +62,7 @@ const int APERTURA_MAX_SLOTS = 8;
 struct AperturaReceiver {
     AperturaVec3 normal;                      // unit
     AperturaVec4 visibility;                  // D, A, sr
-    AperturaVec4 params[APERTURA_MAX_SLOTS];  // apertures have unit axes: see renormalised
+    AperturaVec4 params[APERTURA_MAX_SLOTS];  // apertures have unit axes: see aperturaRenormalised
 };
 
 APERTURA_FN AperturaSoftAperture aperturaSoftIn(AperturaVec4 slot) { return AperturaSoftAperture(AperturaVec3(slot), slot.w); }

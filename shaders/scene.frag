@@ -29,8 +29,8 @@ vec3 irradiance = vec3(0.0);
 float lit = 0.0;  // the lights' E for unit radiance
 float sky = 0.0;  // the sky's
 
-void addLight(AperturaReceiver receiver, float share, Light light) {
-    float e = share * aperturaIrradianceThrough(model, receiver, capSeenFrom(worldPosition, light, lightClass), lightClass);
+void addLight(AperturaReceiver receiver, float share, AperturaLight light) {
+    float e = share * aperturaIrradianceThrough(model, receiver, aperturaCapSeenFrom(worldPosition, light, lightClass), lightClass);
     irradiance += e * light.radiance.rgb;
     lit += e;
 }

@@ -20,7 +20,7 @@ void main() {
     uint first = gl_VertexIndex - corner;
     firstCell = uvec3(indices[first], indices[first + 1], indices[first + 2]);
     uvec3 corners = firstCell;
-    SceneVertex v = vertices[firstCell[corner]];
+    AperturaSceneVertex v = vertices[firstCell[corner]];
     facing = vec3(0.0);
     uint face = frame.counts.w > 0 ? indices[uint(frame.counts.w) + uint(gl_VertexIndex) / 3] : 0;
     uint level = face & 15;

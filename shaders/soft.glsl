@@ -30,7 +30,7 @@ struct AperturaDiscLaw {
     AperturaFloat ends;      // the line's ends: 1 sharp, less is softer, as a disc's edges are
 };
 APERTURA_FN AperturaDiscLaw aperturaWholeDisc(AperturaFloat across, AperturaFloat ends) {
-    return AperturaDiscLaw(AperturaFloat(0.4991), AperturaFloat(0.4467), AperturaFloat(0.1294), across, AperturaFloat(0.4513), ends);
+    return AperturaDiscLaw(AperturaFloat(0.49846), AperturaFloat(0.46693), AperturaFloat(0.13564), across, AperturaFloat(0.41078), ends);
 }
 APERTURA_FN AperturaDiscLaw aperturaQuarterDisc(AperturaFloat across, AperturaFloat ends) {
     return AperturaDiscLaw(AperturaFloat(0.5915), AperturaFloat(0.3949), AperturaFloat(0.1018), across, AperturaFloat(0.0699), ends);
@@ -38,7 +38,7 @@ APERTURA_FN AperturaDiscLaw aperturaQuarterDisc(AperturaFloat across, AperturaFl
 // Each law is as close to the integral as possible while no light that crosses the built-in scenes steps further than its rim sweeps (3 %
 // further for three lobes, 2 % for one). Lobes and quadrics have laws of their own: edges of several lobes may coincide, and the plane
 // of a quadric turns from quarter to quarter.
-APERTURA_FN AperturaDiscLaw aperturaSoftDisc() { return aperturaWholeDisc(AperturaFloat(0.6575), AperturaFloat(0.9582)); }
+APERTURA_FN AperturaDiscLaw aperturaSoftDisc() { return aperturaWholeDisc(AperturaFloat(0.64280), AperturaFloat(0.93650)); }
 APERTURA_FN AperturaDiscLaw aperturaLobeDisc() { return aperturaWholeDisc(AperturaFloat(0.7406), AperturaFloat(0.9765)); }
 APERTURA_FN AperturaDiscLaw aperturaLobeQuarter(int count) {
     return count < 4 ? aperturaQuarterDisc(AperturaFloat(0.6977), AperturaFloat(0.7706))
@@ -85,8 +85,8 @@ APERTURA_FN AperturaFloat aperturaLobeOverMedium(AperturaSoftAperture lobe, Aper
 }
 
 // E of a cap light through a soft aperture, cut by the receiver's horizon. Error of E / (pi sin^2 r) from the model's own
-// integral over the light: 0.010 RMS (0.10 max) for radii 0.27..45 degrees; RMS of the cheaper classes 0.010 (sun), 0.008
-// (small) and 0.017 (medium): tests/soft_test.cpp.
+// integral over the light: 0.009 RMS (0.09 max) for radii 0.27..45 degrees; RMS of the cheaper classes 0.002 (sun), 0.005
+// (small) and 0.015 (medium): tests/soft_test.cpp.
 APERTURA_FN AperturaFloat aperturaIrradianceThroughSoft(AperturaVec3 normal, AperturaSoftAperture soft, AperturaCapLight light,
                                                         int lightClass) {
     AperturaFloat visible = AperturaFloat(0.0);
@@ -100,7 +100,7 @@ APERTURA_FN AperturaFloat aperturaIrradianceThroughSoft(AperturaVec3 normal, Ape
     return aperturaUnoccludedIrradiance(normal, light, lightClass) * visible;
 }
 
-// 1 over the standard deviation of dot(slope, w) over a light's directions w, in the unit of `covariance`, with a term
+// 1 over the standard deviation of dot(slope, w) over a light's directions w, in the unit of aperturaCovariance, with a term
 // for how soft the edge is compared with the light: fitted to pairs of lobes, tools/fit/edges.cpp. `along`: dot(slope,
 // light.axis).
 APERTURA_FN AperturaFloat aperturaInverseDeviationOfLobe(AperturaVec3 slope, AperturaFloat along, AperturaCapLight light) {
@@ -156,7 +156,7 @@ APERTURA_FN AperturaVec3 aperturaBendTimes(AperturaSoftQuadric q, AperturaVec3 w
                         q.bend.w * w.x + q.bendYz * w.y - (q.bend.x + q.bend.y) * w.z);
 }
 
-// E of a cap light through a AperturaSoftQuadric. The step's plane is the quadric's tangent at the light's centre or, in
+// E of a cap light through an AperturaSoftQuadric. The step's plane is the quadric's tangent at the light's centre or, in
 // APERTURA_LIGHTS_ANY, at each of its quarters.
 APERTURA_FN AperturaFloat aperturaIrradianceThroughQuadric(AperturaVec3 normal, AperturaSoftQuadric soft, AperturaCapLight light,
                                                            int lightClass) {

@@ -175,7 +175,7 @@ TEST(Cli, RefusesAHeightMapOfOnePixel) {
 
 TEST(Cli, RefusesWhatIsMalformedWithOneLine) {
     const Folder bad, folder;
-    const std::string made = "/usr/bin/python3 -B " APERTURA_SOURCE "/tests/data/malformed.py " + bad.path.string();
+    const std::string made = "/usr/bin/python3 -B \"" APERTURA_SOURCE "/tests/data/malformed.py\" " + bad.path.string();
     ASSERT_EQ(std::system(made.c_str()), 0);
     for (const auto& entry : fs::directory_iterator(bad.path))
         expectRefusal("bake " + entry.path().string() + " -o " + (folder / "o.glb"), 1, entry.path().filename().string());

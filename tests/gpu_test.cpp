@@ -70,7 +70,7 @@ TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
     for (const Model& model : models())
         for (const int lightClass : classesOf(model)) {
             Random random(41);
-            std::vector<Evaluation> inputs;
+            std::vector<AperturaEvaluation> inputs;
             std::vector<AperturaReceiver> receivers;
             const double largest = lightClass == APERTURA_LIGHTS_ANY    ? 45
                                  : lightClass == APERTURA_LIGHTS_MEDIUM ? 10
@@ -84,7 +84,7 @@ TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
                 const Visibility v{vec3(d * area * (1 - area / (4 * pi)) * random()), float(area)};
                 receivers.push_back(toReceiver(v, randomForm(model, v, normal, random), normal));
                 const double r = 0.27 * std::pow(largest / 0.27, random()) * pi / 180;
-                Evaluation e{vec4(normal, 0), vec4(vec3(random.direction()), float(std::sin(r))), receivers.back().visibility, {}};
+                AperturaEvaluation e{vec4(normal, 0), vec4(vec3(random.direction()), float(std::sin(r))), receivers.back().visibility, {}};
                 std::copy_n(receivers.back().params, APERTURA_MAX_SLOTS, e.params);
                 inputs.push_back(e);
             }
@@ -264,7 +264,7 @@ TEST_F(GpuTest, RecordsOnlyWhatIsPrepared) {
     wider.lights = {directionalLight({1, 1, 1}, 0.5, vec3(1))};
     EXPECT_THROW(recorded(shown, wider, &soft), Error);
     View many = view;
-    many.lights.assign(MAX_LIGHTS + 1, view.lights[0]);
+    many.lights.assign(APERTURA_MAX_LIGHTS + 1, view.lights[0]);
     EXPECT_THROW(recorded(shown, many, &soft), Error);
     for (const int frame : {-1, 3, 100000})
         EXPECT_THROW(gpu->run([&](VkCommandBuffer commands) { renderer.record(commands, shown.target(), view, soft, frame); }), Error)

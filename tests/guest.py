@@ -105,6 +105,18 @@ def main():
     must("ninja", "-C", inside, "light")
     check_lights(inside / "light", assets, by)
 
+    # Without what asset links, sh alone; and what is asked for and cannot be, refused.
+    alone = folder / "alone"
+    alone.mkdir()
+    hidden = {**os.environ, "PKG_CONFIG_LIBDIR": str(folder)}
+    for asked, works in (("sh OPTIONAL_COMPONENTS asset", True), ("asset", False)):
+        (alone / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(alone LANGUAGES CXX)\n"
+                                              f"find_package(apertura REQUIRED COMPONENTS {asked})\n"
+                                              "if(TARGET apertura::asset OR NOT TARGET apertura::sh)\n  message(FATAL_ERROR targets)\nendif()\n")
+        shutil.rmtree(alone / "build", ignore_errors=True)
+        code, _, errors = run("cmake", "-S", alone, "-B", alone / "build", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}", env=hidden)
+        check((code == 0) == works and (works or "apertura::asset needs" in errors), f"components {asked}, without OpenImageIO: {errors}")
+
     # What cannot work says so.
     both = folder / "both"
     both.mkdir()

@@ -57,6 +57,21 @@ TEST(HeightMap, ExrsOfFloatsAndHalvesLeaveOutWhatIsNotANumber) {
     expectHeights("heights_f16.exr", -100, true);
 }
 
+TEST(SmallScenes, AreWhatTheirScriptWrites) {
+    const Folder folder;
+    ASSERT_EQ(std::system(("/usr/bin/python3 -B \"" APERTURA_SOURCE "/tests/data/make.py\" " + folder.path.string()).c_str()), 0);
+    const auto bytes = [](const std::filesystem::path& path) {
+        std::ifstream in(path, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path)) {
+        const std::string name = entry.path().filename().string();
+        if (name.ends_with(".png")) continue;  // zlib's versions compress differently
+        EXPECT_EQ(bytes(entry.path()), bytes(smallScene(name))) << name;
+    }
+    EXPECT_GE(folder.files(), 24u);
+}
+
 // The volume that a closed surface's triangles enclose, seen counter-clockwise from outside, and its area.
 struct Enclosed {
     double volume = 0, area = 0;

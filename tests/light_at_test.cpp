@@ -22,7 +22,7 @@ Asset bakedStatue(const char* model) {
     return asset;
 }
 
-View lit(const Asset& asset, std::vector<Light> lights) {
+View lit(const Asset& asset, std::vector<AperturaLight> lights) {
     View view;
     view.width = 320, view.height = 240;
     view.camera = viewOf(asset.scene);
@@ -30,7 +30,7 @@ View lit(const Asset& asset, std::vector<Light> lights) {
     return view;
 }
 
-Light sun(const glm::vec3& direction, double degrees) {
+AperturaLight sun(const glm::vec3& direction, double degrees) {
     const double r = degrees * pi / 180;
     return directionalLight(direction, r, vec3(float(2.4 / (pi * std::sin(r) * std::sin(r)))));
 }
@@ -57,8 +57,8 @@ TEST_F(LightAtTest, VerticesDrawWhatPixelsDraw) {
         const Asset asset = bakedStatue(name);
         const Model& model = *findModel(name);
         Renderer renderer(*gpu, asset);
-        const Light lamp = sphereLight({3, 2, 1}, 0.3, vec3(20));
-        const std::pair<std::vector<Light>, double> cases[] = {
+        const AperturaLight lamp = sphereLight({3, 2, 1}, 0.3, vec3(20));
+        const std::pair<std::vector<AperturaLight>, double> cases[] = {
             {{sun({1, 1, 0.5f}, 0.27)}, 1e-3},
             {{sun({-1, 0.3f, 0.5f}, 0.27), sun({1, 0.2f, 0}, 0.4)}, 1e-3},
             {{sun({1, 0.6f, 0.5f}, 2.5)}, 0.02},

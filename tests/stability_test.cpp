@@ -21,7 +21,7 @@ double exhaustive() {
     return share ? std::atof(share) : 0;
 }
 
-std::vector<float> onDevice(const Gpu& gpu, int model, int lightClass, const std::vector<Evaluation>& inputs, bool half = false) {
+std::vector<float> onDevice(const Gpu& gpu, int model, int lightClass, const std::vector<AperturaEvaluation>& inputs, bool half = false) {
     std::vector<float> out;
     for (const vec2& e : evaluateOnDevice(gpu, model, lightClass, inputs, half)) out.push_back(e.x);
     return out;
@@ -50,8 +50,9 @@ TEST(Stability, NorDoesItOnTheDevice) {
     const uint64_t inputs = std::max(uint64_t(10000), uint64_t(exhaustive() * 1e7 / 15));
     for (const Model& model : models()) {
         if (model.baseline) continue;
-        const FuzzCount count = countFuzz(
-            model, 2, inputs, [&](int id, int lightClass, const std::vector<Evaluation>& e) { return onDevice(gpu, id, lightClass, e); });
+        const FuzzCount count = countFuzz(model, 2, inputs, [&](int id, int lightClass, const std::vector<AperturaEvaluation>& e) {
+            return onDevice(gpu, id, lightClass, e);
+        });
         EXPECT_EQ(count.notFinite, 0u) << model.name;
         EXPECT_EQ(count.outside, 0u) << model.name;
     }
@@ -69,9 +70,10 @@ TEST(Stability, SixteenBitFloatsAreEnough) {
     std::vector<const Model*> asked;
     for (const char* name : {"aperture", "soft", "firm-2", "soft-2", "soft-l2", "firm-4", "multi-2", "cap-anti"})
         asked.push_back(findModel(name));
-    for (const HalfError& e : measureHalf(
-             scenes, asked, 6, 256, 1, {0.27, 5},
-             [&](int id, int lightClass, const std::vector<Evaluation>& all) { return onDevice(gpu, id, lightClass, all, true); })) {
+    for (const HalfError& e :
+         measureHalf(scenes, asked, 6, 256, 1, {0.27, 5}, [&](int id, int lightClass, const std::vector<AperturaEvaluation>& all) {
+             return onDevice(gpu, id, lightClass, all, true);
+         })) {
         EXPECT_EQ(e.notFinite, 0) << e.model << ", " << e.radius;
         EXPECT_LE(e.rms, 0.01) << e.model << ", " << e.radius;
         EXPECT_GE(e.rms, 1e-4) << e.model << ", " << e.radius << ": were these 32 bits?";

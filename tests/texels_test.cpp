@@ -119,6 +119,7 @@ TEST(BakeTexels, DrawWhatFacesDrawAndHideTheSeam) {
             ASSERT_EQ(asset.seen[i].texels.visibility[k].area, again.seen[i].texels.visibility[k].area);
     const MeasureRow row = measureAsset(asset, softAt(300)).rows[0];
     std::printf("box over a seam: own %.4f, in an image %.4f (sky %.4f)\n", row.own, row.rmse, row.ambient);
+    EXPECT_LT(row.rmse, 1.15 * row.own);
     EXPECT_LT(row.rmse, atMost(baseline::kBoxInImage));
     EXPECT_LT(row.ambient, atMost(baseline::kSkyOfBoxInImage));
     // Under the box, where visibility changes along the seam, its two sides are alike.
@@ -169,6 +170,7 @@ TEST(BakeTexels, ErrAsSamplesOnFacesDoForTheSameBytes) {
     std::printf("arcade: on faces %.4f (sky %.4f) in %.0f bytes, in images %.4f (%.4f) in %.0f\n", faces.rmse, faces.ambient, faceBytes,
                 image.rmse, image.ambient, imageBytes);
     EXPECT_LT(imageBytes, faceBytes);
+    EXPECT_LT(image.rmse, 1.1 * faces.rmse);
     EXPECT_LT(image.rmse, atMost(baseline::kArcadeInImages));
     EXPECT_LT(image.ambient, atMost(baseline::kSkyOfArcadeInImages));
 }
@@ -223,6 +225,8 @@ TEST(BakeTexels, ErrLittleMoreThanVerticesOnAStatueOfSixCharts) {
     std::printf("statue: on faces %.4f (sky %.4f) in %.0f bytes, in images %.4f (%.4f) in %.0f\n", faces.rmse, faces.ambient, faceBytes,
                 image.rmse, image.ambient, imageBytes);
     EXPECT_LT(imageBytes, faceBytes);
+    EXPECT_LT(image.rmse, 1.13 * faces.rmse);
+    EXPECT_LT(image.ambient, 1.2 * faces.ambient);
     EXPECT_LT(image.rmse, atMost(baseline::kStatueInImages));
     EXPECT_LT(image.ambient, atMost(baseline::kSkyOfStatueInImages));
 }

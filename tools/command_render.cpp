@@ -45,7 +45,7 @@ Camera parseCamera(const std::string& text, const Camera& fallback) {
     return {glm::vec3(n[0], n[1], n[2]), glm::vec3(n[3], n[4], n[5]), n.size() == 7 ? float(n[6] * kDegree) : fallback.verticalFov};
 }
 
-Light sun(const Arguments& a) {
+AperturaLight sun(const Arguments& a) {
     const double azimuth = a.azimuth * kDegree, elevation = a.elevation * kDegree, radius = a.radius * kDegree;
     // Azimuth from north (-Z) towards east (+X).
     const glm::vec3 direction(std::cos(elevation) * std::sin(azimuth), std::sin(elevation), -std::cos(elevation) * std::cos(azimuth));

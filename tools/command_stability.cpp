@@ -161,13 +161,13 @@ void run(const Arguments& a) {
     FrameEvaluator device, half;
     try {
         gpu.emplace();
-        device = [&](int model, int lightClass, const std::vector<Evaluation>& inputs) {
+        device = [&](int model, int lightClass, const std::vector<AperturaEvaluation>& inputs) {
             std::vector<float> out;
             for (const vec2& e : evaluateOnDevice(*gpu, model, lightClass, inputs)) out.push_back(e.x);
             return out;
         };
         if (gpu->hasHalf())
-            half = [&](int model, int lightClass, const std::vector<Evaluation>& inputs) {
+            half = [&](int model, int lightClass, const std::vector<AperturaEvaluation>& inputs) {
                 std::vector<float> out;
                 for (const vec2& e : evaluateOnDevice(*gpu, model, lightClass, inputs, true)) out.push_back(e.x);
                 return out;

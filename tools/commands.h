@@ -36,8 +36,8 @@ std::vector<double> parseNumbers(const std::string& text, char separator);
 // Accepts low .. high, as CLI::Range does, but not NaN, which that lets through.
 CLI::Validator finiteRange(double low, double high);
 
-// The path of a script that the program runs, wherever the program was moved to: beside it, as in a build tree, or in ../share/apertura, as
-// where it is installed. Throws Error naming the script and both folders if it is in neither. Call it before the work.
+// The path of a script that the program runs, wherever the program was moved to: beside it, as in a build tree, or in ../share/apertura or
+// what else the install was told. Throws Error naming the script and both folders if it is in neither. Call it before the work.
 std::string findScript(const std::string& name);
 
 // Runs a Python script that draws charts of the tables in a folder.

@@ -24,8 +24,10 @@ CLI::Validator finiteRange(double low, double high) {
 }
 
 std::string findScript(const std::string& name) {
-    const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-    const std::filesystem::path installed = (own / "../share/apertura").lexically_normal();
+    std::error_code failed;
+    const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
+    if (failed) throw Error(name + ": /proc/self/exe does not tell where this program is, beside which its scripts are");
+    const std::filesystem::path installed = (own / APERTURA_SCRIPTS).lexically_normal();
     for (const std::filesystem::path& folder : {own, installed})
         if (std::filesystem::is_regular_file(folder / name)) return (folder / name).string();
     throw Error(name + ": is neither in " + own.string() + " nor in " + installed.string() + ", where this program looks for its scripts");

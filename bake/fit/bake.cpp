@@ -17,12 +17,13 @@
 namespace apertura {
 namespace {
 
-constexpr int kLambdaPoints = 400;       // points over the surface, from which the Lagrange multiplier of `auto` is found
-constexpr size_t kMostNeighbours = 16;   // of a vertex, that its lobes agree with
-constexpr int kOwnPoints = 600;          // and those from which what a model itself errs is found,
-constexpr int kOwnRays = 1024;           // by at least so many rays
-constexpr double kStorageShare = 0.5;    // of the model's own error: what storing adds to it is then an eighth
-constexpr double kSkyTolerance = 0.012;  // RMSE of the sky's E, over pi, that storing may add
+constexpr int kLambdaPoints = 400;         // points over the surface, from which the Lagrange multiplier of `auto` is found
+constexpr size_t kMostNeighbours = 16;     // of a vertex, that its lobes agree with
+constexpr int kOwnPoints = 600;            // and those from which what a model itself errs is found,
+constexpr int kOwnRays = 1024;             // by at least so many rays
+constexpr double kStorageShare = 0.5;      // of the model's own error: what storing adds to it is then an eighth
+constexpr double kLeastTolerance = 0.001;  // RMSE: what no one sees, where a model's own error is next to nothing
+constexpr double kSkyTolerance = 0.012;    // RMSE of the sky's E, over pi, that storing may add
 
 // The RMSE of E / (L pi sin^2 r) that a recipe's model has at points of the surface that lie outside solids, under lights of 5 degrees.
 double ownErrorOf(const Scene& scene, const OcclusionSource& source, const Solids& solids, const BakeOptions& options,
@@ -183,7 +184,8 @@ BakedVisibility bakeScene(const Scene& scene, const Tracer& tracer, const BakeOp
     wanted.tolerance = wanted.skyTolerance = options.storageTolerance;
     if (!(options.storageTolerance > 0)) {
         wanted.skyTolerance = kSkyTolerance;
-        wanted.tolerance = kStorageShare * ownErrorOf(scene, source, solids, options, fitOptions, part(progress, 0.5, 0.55));
+        wanted.tolerance = std::max(kStorageShare * ownErrorOf(scene, source, solids, options, fitOptions, part(progress, 0.5, 0.55)),
+                                    kLeastTolerance);
     }
     wanted.maxBytes = options.maxBytes;
     wanted.isFitted = isFitted;

@@ -84,11 +84,11 @@ FuzzCount countFuzz(const Model& model, uint32_t seed, uint64_t inputs, const Fr
     };
     auto onDevice = [&](uint64_t b) {
         std::vector<FuzzInput> all[4];
-        std::vector<Evaluation> frames[4];
+        std::vector<AperturaEvaluation> frames[4];
         for (uint64_t i = b * batch; i < std::min(inputs, (b + 1) * batch); ++i) {
             const FuzzInput input = fuzzInput(model, seed, i);
             const auto lightClass = size_t(lightClassOf(input.light.w));
-            Evaluation e{vec4(input.receiver.normal, 0), input.light, input.receiver.visibility, {}};
+            AperturaEvaluation e{vec4(input.receiver.normal, 0), input.light, input.receiver.visibility, {}};
             std::copy_n(input.receiver.params, APERTURA_MAX_SLOTS, e.params);
             frames[lightClass].push_back(e);
             all[lightClass].push_back(input);

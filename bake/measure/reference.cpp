@@ -26,8 +26,8 @@ public:
         const glm::dvec3 origin = rayOrigin(tracer_, {hit->at.position, hit->at.normal});
         std::vector<AperturaCapLight> caps;
         glm::vec3 irradiance(0);
-        for (const Light& light : view_.lights) {
-            const AperturaCapLight cap = capSeenFrom(hit->at.position, light, APERTURA_LIGHTS_ANY);
+        for (const AperturaLight& light : view_.lights) {
+            const AperturaCapLight cap = aperturaCapSeenFrom(hit->at.position, light, APERTURA_LIGHTS_ANY);
             irradiance += fromLight(light, cap, origin, hit->at.normal, sample, caps.size());
             caps.push_back(cap);
         }
@@ -36,15 +36,15 @@ public:
     }
 
 private:
-    glm::vec3 fromLight(const Light& light, const AperturaCapLight& cap, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample,
-                        size_t index) {
+    glm::vec3 fromLight(const AperturaLight& light, const AperturaCapLight& cap, const glm::dvec3& origin, const glm::vec3& normal,
+                        uint64_t sample, size_t index) {
         const glm::mat3 frame = frameFromZ(cap.axis, 2 * pi * hashUnit(options_.seed, sample, 2 + index));
         rays_.clear();
         reach_.clear();
         for (const glm::vec3& w : fibonacciCap(options_.lightRays, cap.height))
             if (const glm::vec3 d = frame * w; glm::dot(d, normal) > 0) {
                 rays_.push_back(d);
-                reach_.push_back(isSphere(light) ? distanceTo(light.sphere, origin, d) : kNoLimit);
+                reach_.push_back(aperturaIsSphere(light) ? distanceTo(light.sphere, origin, d) : kNoLimit);
             }
         const double cosines = openCosines(origin, normal, {});
         return float(cosines * 2 * pi * cap.height / options_.lightRays) * vec3(light.radiance);

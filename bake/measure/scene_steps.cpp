@@ -86,13 +86,13 @@ std::vector<SceneSteps> measureSceneSteps(const Scene& scene, const std::vector<
 std::vector<HalfError> measureHalf(const std::vector<Scene>& scenes, const std::vector<const Model*>& asked, int receivers, int rays,
                                    uint32_t seed, const std::vector<double>& radii, const FrameEvaluator& half) {
     const size_t places = size_t(receivers), kinds = asked.size() * radii.size();
-    std::vector<std::vector<Evaluation>> lights(scenes.size() * places * kinds);
+    std::vector<std::vector<AperturaEvaluation>> lights(scenes.size() * places * kinds);
     for (size_t s = 0; s < scenes.size(); ++s)
         forReceivers(scenes[s], asked, receivers, rays, seed, {},
                      [&](size_t i, const glm::mat3& frame, size_t m, const AperturaReceiver& receiver) {
                          for (size_t r = 0; r < radii.size(); ++r)
                              forArcs(frame, seed, i, radii[r], 2 * kDegree, [&](const AperturaCapLight& light, bool) {
-                                 Evaluation e{vec4(receiver.normal, 0), vec4(light.axis, light.sinRadius), receiver.visibility, {}};
+                                 AperturaEvaluation e{vec4(receiver.normal, 0), vec4(light.axis, light.sinRadius), receiver.visibility, {}};
                                  std::copy_n(receiver.params, APERTURA_MAX_SLOTS, e.params);
                                  lights[(s * places + i) * kinds + m * radii.size() + r].push_back(e);
                              });
@@ -101,7 +101,7 @@ std::vector<HalfError> measureHalf(const std::vector<Scene>& scenes, const std::
     for (size_t kind = 0; kind < kinds; ++kind) {
         const Model& model = *asked[kind / radii.size()];
         HalfError row{std::string(model.name), radii[kind % radii.size()]};
-        std::vector<Evaluation> all;
+        std::vector<AperturaEvaluation> all;
         for (size_t k = kind; k < lights.size(); k += kinds) all.insert(all.end(), lights[k].begin(), lights[k].end());
         const int lightClass = lightClassOf(float(std::sin(row.radius * kDegree)));
         const std::vector<float> found = half(model.id, lightClass, all);

@@ -146,11 +146,11 @@ StabilityRow measureSweep(const SweptModel& swept, const Sweep& sweep, const Fra
     row.onDevice = device ? 0 : -1;
     double before = 0, exactBefore = 0, truthBefore = 0;
     std::vector<float> found[4];
-    std::vector<Evaluation> inputs[4];
+    std::vector<AperturaEvaluation> inputs[4];
     std::vector<int> place;
     for (size_t i = 0; i < sweep.frames.size(); ++i) {
         const SweepFrame& f = sweep.frames[i];
-        Evaluation e{
+        AperturaEvaluation e{
             vec4(swept.receivers[i].normal, 0), vec4(vec3(f.light), float(std::sin(f.lightRadius))), swept.receivers[i].visibility, {}};
         std::copy_n(swept.receivers[i].params, APERTURA_MAX_SLOTS, e.params);
         inputs[lightClassOf(e.light.w)].push_back(e);

@@ -20,7 +20,7 @@ inline double stepBound(double moved, double radius) { return 2 * moved / (std::
 
 // Evaluates aperturaIrradianceThrough for each input on a device; `lightClass` is APERTURA_LIGHTS_... An empty function: there is no
 // device.
-using FrameEvaluator = std::function<std::vector<float>(int model, int lightClass, const std::vector<Evaluation>&)>;
+using FrameEvaluator = std::function<std::vector<float>(int model, int lightClass, const std::vector<AperturaEvaluation>&)>;
 
 // How far E / (L pi sin^2 r) may exceed the unblocked light's before it counts as outside: formulas for lights up to
 // 10 degrees are not clamped again where the horizon cuts the light.

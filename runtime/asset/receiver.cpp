@@ -6,6 +6,15 @@
 #include "apertura/sh/shading.h"
 
 namespace apertura {
+namespace {
+
+// True where the asset stores the model's parameters.
+bool holds(const Asset& asset, const Model& model) {
+    const Model* const stored = storedModel(asset.info);
+    return stored && stored->id == model.id;
+}
+
+}  // namespace
 
 WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instance, int triangle, const glm::vec3& barycentrics,
                              const glm::vec3& normal) {
@@ -13,7 +22,7 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
     const Surface& surface = asset.scene.surfaces[size_t(placed.surface)];
     const SeenByInstance& seen = asset.seen[size_t(instance)];
     const glm::mat3 normals = normalMatrix(placed.toWorld);
-    const bool stored = storedModel(asset.info) == &model;
+    const bool stored = holds(asset, model);
     Visibility visibility;
     ModelParams mix{};
     WeightedReceivers corners;
@@ -60,7 +69,7 @@ AperturaReceiver receiverAtVertex(const Asset& asset, const Model& model, size_t
     const SeenByInstance& seen = asset.seen[instance];
     if (vertex >= seen.visibility.size())
         throw Error(name + ": instance " + std::to_string(instance) + " has no vertex " + std::to_string(vertex));
-    const bool stored = storedModel(asset.info) == &model && !seen.allParams.empty();
+    const bool stored = holds(asset, model) && !seen.allParams.empty();
     if (!stored && !model.fromVisibility) throw Error(name + ": does not hold the model " + std::string(model.name));
     const Instance& placed = asset.scene.instances[instance];
     const glm::vec3& own = asset.scene.surfaces[size_t(placed.surface)].normals[vertex];

@@ -19,11 +19,11 @@ glm::dmat3 cameraFrame(const Camera& camera) {
 
 }  // namespace
 
-Light directionalLight(const glm::vec3& direction, double radius, const glm::vec3& radiance) {
+AperturaLight directionalLight(const glm::vec3& direction, double radius, const glm::vec3& radiance) {
     return {aperturaCapLight(glm::normalize(direction), float(std::sin(radius))), vec4(0), vec4(radiance, 0)};
 }
 
-Light sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance) {
+AperturaLight sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance) {
     return {aperturaCapLight({0, 1, 0}, 0), vec4(centre, radius), vec4(radiance, 0)};
 }
 
@@ -45,7 +45,7 @@ glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v) {
     return glm::vec3(cameraFrame(camera) * glm::dvec3((2 * u - 1) * t * aspect, (1 - 2 * v) * t, -1));
 }
 
-AperturaShadowView shadowViewOf(const Light& light, const Box& bounds) {
+AperturaShadowView shadowViewOf(const AperturaLight& light, const Box& bounds) {
     const vec3 towards(light.cap.axis), right = aperturaTangentTo(towards), up = cross(towards, right);
     vec3 low(1e30f), high(-1e30f);
     for (int corner = 0; corner < 8; ++corner) {

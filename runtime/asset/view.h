@@ -10,7 +10,7 @@ namespace apertura {
 struct View {
     Camera camera;
     int width = 960, height = 540;      // pixels; each is the mean of 2 x 2 samples
-    std::vector<Light> lights;          // at most MAX_LIGHTS
+    std::vector<AperturaLight> lights;  // at most APERTURA_MAX_LIGHTS
     glm::vec3 sky{0.11f, 0.2f, 0.42f};  // rgb radiance, W/m2/sr, uniform
     glm::vec3 albedo{0.8f};             // rgb, 0..1, of all surfaces
 };
@@ -19,9 +19,9 @@ struct View {
 //   direction  towards it, of any length
 //   radius     angular, radians, 0 < radius <= pi/4
 //   radiance   rgb, W/m2/sr
-Light directionalLight(const glm::vec3& direction, double radius, const glm::vec3& radiance);
+AperturaLight directionalLight(const glm::vec3& direction, double radius, const glm::vec3& radiance);
 // A glowing sphere: `centre` and `radius` > 0 in metres, `radiance` rgb in W/m2/sr.
-Light sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance);
+AperturaLight sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance);
 
 // World to Vulkan's clip space: y down, depth 1 at `nearest` metres and 0 at infinity. `aspect`: width over height.
 glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest);
@@ -32,6 +32,6 @@ glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v);
 constexpr int kShadowTexels = 2048;  // of a shadow map, a side
 
 // How a shadow map of a directional light sees a scene with these bounds (world, metres): its texels cover all of it.
-AperturaShadowView shadowViewOf(const Light& light, const Box& bounds);
+AperturaShadowView shadowViewOf(const AperturaLight& light, const Box& bounds);
 
 }  // namespace apertura

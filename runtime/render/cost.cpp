@@ -162,14 +162,14 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
 std::vector<double> measuredCosts(const Gpu& gpu, std::span<const CostCase> cases, int points, int rounds) {
     const GpuBuffer receivers = makePoints(gpu, points);
     const GpuBuffer results(gpu, size_t(points) * sizeof(float), vk::BufferUsageFlagBits::eStorageBuffer, GpuBuffer::Place::Device);
-    const GpuBuffer lightBuffer(gpu, sizeof(Light), vk::BufferUsageFlagBits::eUniformBuffer, GpuBuffer::Place::Host);
+    const GpuBuffer lightBuffer(gpu, sizeof(AperturaLight), vk::BufferUsageFlagBits::eUniformBuffer, GpuBuffer::Place::Host);
     const GpuBindings bindings = makeBindings(gpu, &receivers, &results, &lightBuffer);
     const std::vector<vk::raii::Pipeline> pipelines = makePipelines(gpu, cases, bindings, {});
     const Stopwatch stopwatch(gpu);
     std::vector<double> least(cases.size(), 1e30);
     for (int round = 0; round < rounds; ++round)
         for (size_t i = 0; i < cases.size(); ++i) {
-            const Light light{aperturaCapLight(vec3(0.6f, 0.64f, 0.48f), typicalSize(cases[i].lightClass)), vec4(0), vec4(1)};
+            const AperturaLight light{aperturaCapLight(vec3(0.6f, 0.64f, 0.48f), typicalSize(cases[i].lightClass)), vec4(0), vec4(1)};
             std::memcpy(lightBuffer.data(), &light, sizeof light);
             least[i] = std::min(least[i], stopwatch.seconds([&](vk::CommandBuffer commands) {
                 commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines[i]);

@@ -9,7 +9,7 @@
 
 namespace apertura {
 
-std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int lightClass, std::span<const Evaluation> inputs, bool half) {
+std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int lightClass, std::span<const AperturaEvaluation> inputs, bool half) {
     if (half && !gpu.hasHalf()) throw Error("Vulkan: the device has no 16-bit floats");
     constexpr auto storage = vk::BufferUsageFlagBits::eStorageBuffer;
     const GpuBuffer in = upload(gpu, std::as_bytes(inputs), storage);

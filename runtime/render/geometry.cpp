@@ -76,8 +76,8 @@ std::vector<GeometryPart> splitGeometry(const Asset& asset, const PartLimits& li
     return parts;
 }
 
-std::vector<SceneVertex> verticesOf(const Asset& asset, const GeometryPart& part) {
-    std::vector<SceneVertex> out;
+std::vector<AperturaSceneVertex> verticesOf(const Asset& asset, const GeometryPart& part) {
+    std::vector<AperturaSceneVertex> out;
     out.reserve(part.vertices);
     for (const GeometryPiece& piece : part.pieces) {
         const Surface& surface = surfaceOf(asset, piece);

@@ -15,7 +15,7 @@
 namespace apertura {
 namespace {
 
-const std::string kTooManyLights = "a view has at most " + std::to_string(MAX_LIGHTS) + " lights";
+const std::string kTooManyLights = "a view has at most " + std::to_string(APERTURA_MAX_LIGHTS) + " lights";
 constexpr VkFormat kPictureFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 template <class T>
@@ -53,7 +53,7 @@ GpuBuffer uploadSeen(const Gpu& gpu, const Asset& asset, const GeometryPart& par
 }
 
 void requireOneDirectional(const View& view) {
-    if (view.lights.size() != 1 || isSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
+    if (view.lights.size() != 1 || aperturaIsSphere(view.lights[0])) throw Error("a shadow map is drawn of one light from a direction");
 }
 
 // Of lit vertices with room for so many lights: the vec4s after the first light, and all floats, the sky's among them.
@@ -68,7 +68,8 @@ int variantOf(LightAt at, int lights) { return at == LightAt::Vertices ? 1 + mor
 PartLimits partLimits(const Gpu& gpu, int frames) {
     const auto bytes = size_t(gpu.largestBuffer());
     constexpr size_t kNumbered = size_t(1) << 28;  // samples: see GeometryPart and scene.vert
-    return {.vertices = std::min(bytes / sizeof(SceneVertex), bytes / (size_t(frames) * size_t(litFloats(MAX_LIGHTS)) * sizeof(float))),
+    return {.vertices = std::min(bytes / sizeof(AperturaSceneVertex),
+                                 bytes / (size_t(frames) * size_t(litFloats(APERTURA_MAX_LIGHTS)) * sizeof(float))),
             .samples = std::min(bytes / (APERTURA_MAX_SLOTS * sizeof(vec4)), kNumbered),
             .triangles = bytes / (5 * sizeof(uint32_t))};
 }
@@ -131,7 +132,7 @@ struct Renderer::State {
     std::vector<Part> parts;
     GpuBuffer softNodes;
     GpuBuffer noVertices;
-    std::optional<PerFrame<Frame>> lit;  // one for each frame and part
+    std::optional<PerFrame<AperturaFrame>> lit;  // one for each frame and part
     std::optional<ShadowMap> shadow;
     std::map<std::tuple<int, int, VkFormat, int>, vk::raii::Pipeline> pipelines;  // by model, light class, format and variantOf
     std::map<std::pair<int, int>, vk::raii::Pipeline> vertexLights;               // by model and light class
@@ -139,7 +140,8 @@ struct Renderer::State {
 
 int lightClassOf(const View& view) {
     int out = APERTURA_LIGHTS_SUN;
-    for (const Light& light : view.lights) out = std::min(out, isSphere(light) ? APERTURA_LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
+    for (const AperturaLight& light : view.lights)
+        out = std::min(out, aperturaIsSphere(light) ? APERTURA_LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
     return out;
 }
 
@@ -175,9 +177,9 @@ const Renderer::State::ModelBuffers& Renderer::State::buffersOf(Part& part, cons
 
 void Renderer::State::light(int frame, const View& view, VkExtent2D size, int floats) const {
     if (frame < 0 || frame > frames) throw Error("there is no frame " + std::to_string(frame) + " in flight");
-    if (view.lights.size() > size_t(MAX_LIGHTS)) throw Error(kTooManyLights);
+    if (view.lights.size() > size_t(APERTURA_MAX_LIGHTS)) throw Error(kTooManyLights);
     const float nearest = std::max(1e-4f * glm::length(box.high - box.low), 1e-9f);
-    Frame out{};
+    AperturaFrame out{};
     out.toClip = clipTransform(view.camera, double(size.width) / size.height, nearest);
     out.sky = vec4(view.sky, 0);
     out.albedo = vec4(view.albedo, 0);
@@ -197,7 +199,7 @@ LightAt Renderer::betterLightAt(const Model& model, double pixels) const {
 }
 
 void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights) {
-    if (mostLights < 0 || mostLights > MAX_LIGHTS) throw Error(kTooManyLights);
+    if (mostLights < 0 || mostLights > APERTURA_MAX_LIGHTS) throw Error(kTooManyLights);
     State& p = *state_;
     const bool atVertices = at == LightAt::Vertices;
     for (State::Part& part : p.parts) p.buffersOf(part, model, atVertices ? litFloats(mostLights) : 0);
@@ -220,12 +222,12 @@ void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View
     const vk::CommandBuffer commands(to);
     const State& p = *state_;
     // The least of the variants that are prepared and take as many lights.
-    if (view.lights.size() > size_t(MAX_LIGHTS)) throw Error(kTooManyLights);
+    if (view.lights.size() > size_t(APERTURA_MAX_LIGHTS)) throw Error(kTooManyLights);
     const auto lights = int(view.lights.size());
     const auto prepared = [&](int room) { return p.pipelines.find({model.id, lightClassOf(view), target.format, variantOf(at, room)}); };
     int room = lights;
     auto pipeline = prepared(room);
-    while (pipeline == p.pipelines.end() && room < MAX_LIGHTS)
+    while (pipeline == p.pipelines.end() && room < APERTURA_MAX_LIGHTS)
         if (variantOf(at, ++room) >= 0) pipeline = prepared(room);  // the pipeline of one light draws no frame of none
     if (pipeline == p.pipelines.end())
         throw Error("the renderer is not prepared for " + std::string(model.name) + " with these lights and this format");
@@ -233,7 +235,7 @@ void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View
     p.light(frame, view, target.size, floats);
     const auto each = [&](const auto& use) {
         for (size_t i = 0; i < p.parts.size(); ++i)
-            use(p.parts[i], p.parts[i].buffers.at({model.id, floats}).bindings, PerFrame<Frame>::offset(p.litSlot(frame, i)));
+            use(p.parts[i], p.parts[i].buffers.at({model.id, floats}).bindings, PerFrame<AperturaFrame>::offset(p.litSlot(frame, i)));
     };
     if (at == LightAt::Vertices) {
         commands.bindPipeline(vk::PipelineBindPoint::eCompute, *p.vertexLights.at({model.id, lightClassOf(view)}));

@@ -39,14 +39,14 @@ public:
     //   format      of the target's colour
     //   mostLights  of a frame. 1 makes a faster pipeline, which serves frames of just one light; others any number. At the vertices,
     //               each light takes 4 bytes a vertex and frame
-    // Throws Error if the asset does not hold the model, the device has too little memory, or mostLights is above MAX_LIGHTS.
-    void prepare(const Model& model, int lightClass, VkFormat format, LightAt at = LightAt::Pixels, int mostLights = MAX_LIGHTS);
+    // Throws Error if the asset does not hold the model, the device has too little memory, or mostLights is above APERTURA_MAX_LIGHTS.
+    void prepare(const Model& model, int lightClass, VkFormat format, LightAt at = LightAt::Pixels, int mostLights = APERTURA_MAX_LIGHTS);
 
     // Clears the target to the sky and draws the scene over it. Allocates nothing, waits for nothing, compiles nothing.
     //   view   its width and height are ignored
     //   frame  0 .. frames - 1; the device must have finished what was recorded with this number before
     // All frames must run on one queue. Throws Error unless `model` is prepared for lightClassOf(view), the format, `at` and as many
-    // lights, and if `frame` is out of range or the view has more than MAX_LIGHTS lights.
+    // lights, and if `frame` is out of range or the view has more than APERTURA_MAX_LIGHTS lights.
     void record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame,
                 LightAt at = LightAt::Pixels) const;
 
@@ -69,6 +69,7 @@ private:
 // Evaluates a model on the device: x is aperturaIrradianceThrough, y aperturaSkyIrradiance, one element per input.
 //   model, lightClass  APERTURA_MODEL_..., APERTURA_LIGHTS_...
 //   half               compute in 16-bit floats; needs Gpu::hasHalf
-std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int lightClass, std::span<const Evaluation> inputs, bool half = false);
+std::vector<vec2> evaluateOnDevice(const Gpu& gpu, int model, int lightClass, std::span<const AperturaEvaluation> inputs,
+                                   bool half = false);
 
 }  // namespace apertura

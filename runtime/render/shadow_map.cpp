@@ -23,7 +23,7 @@ GpuBindings::Binding storage(const GpuBuffer& buffer) { return {vk::DescriptorTy
 
 }  // namespace
 
-ShadowMap::ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, std::span<const Part> parts, const Box& bounds, int frames)
+ShadowMap::ShadowMap(const Gpu& gpu, const PerFrame<AperturaFrame>& lit, std::span<const Part> parts, const Box& bounds, int frames)
     : bounds_(bounds),
       map_(gpu, {kTexels, kTexels}, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eSampled,
            vk::ImageAspectFlagBits::eDepth),
@@ -46,7 +46,7 @@ void ShadowMap::record(vk::CommandBuffer commands, const RenderTarget& target, c
     seen_.set(frame, shadowViewOf(view.lights[0], bounds_));
     const auto draw = [&](const DrawPass& pass, GpuBindings BoundPart::*bindings) {
         for (size_t i = 0; i < parts_.size(); ++i) {
-            const uint32_t offsets[] = {PerFrame<Frame>::offset(frame * int(parts_.size()) + int(i)),
+            const uint32_t offsets[] = {PerFrame<AperturaFrame>::offset(frame * int(parts_.size()) + int(i)),
                                         PerFrame<AperturaShadowView>::offset(frame)};
             pass.draw(parts_[i].*bindings, offsets, parts_[i].indexCount);
         }

@@ -21,7 +21,7 @@ public:
     //   lit     of each frame one for each part in turn
     //   bounds  of the scene, world, metres
     //   frames  slots for record()
-    ShadowMap(const Gpu& gpu, const PerFrame<Frame>& lit, std::span<const Part> parts, const Box& bounds, int frames);
+    ShadowMap(const Gpu& gpu, const PerFrame<AperturaFrame>& lit, std::span<const Part> parts, const Box& bounds, int frames);
 
     // Creates the pipeline for targets of this format.
     void prepare(const Gpu& gpu, VkFormat format);

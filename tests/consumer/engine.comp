@@ -2,14 +2,16 @@
 #extension GL_GOOGLE_include_directive : require
 // An engine's shader, with names of its own that the formulas of shaders/ have without their prefix.
 #include "engine_names.glsl"
-#include "lattice.glsl"
-#include "models.glsl"
-#include "texels.glsl"
-#include "visible.glsl"
+
+#include "apertura/shaders/frame.glsl"
+#include "apertura/shaders/lattice.glsl"
+#include "apertura/shaders/models.glsl"
+#include "apertura/shaders/texels.glsl"
+#include "apertura/shaders/visible.glsl"
 layout(local_size_x = 1) in;
 layout(std430, binding = 0) buffer Numbers { vec4 numbers[]; };
 vec4 aperturaSoftNode(int i) { return numbers[i]; }
-#include "soft_table.glsl"
+#include "apertura/shaders/soft_table.glsl"
 
 void main() {
     AperturaReceiver receiver;

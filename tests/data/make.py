@@ -38,7 +38,9 @@ def tiff(values, code, sample_format, no_data=None):
     data = struct.pack(f"<{len(values)}{code}", *values)
     text = str(no_data).encode() + b"\0"
     tags = [(256, 3, 1, WIDTH), (257, 3, 1, HEIGHT), (258, 3, 1, 8 * size), (259, 3, 1, 1), (262, 3, 1, 1), (273, 4, 1, 8),
-            (277, 3, 1, 1), (278, 3, 1, HEIGHT), (279, 4, 1, len(data)), (339, 3, 1, sample_format)]
+            (277, 3, 1, 1), (278, 3, 1, HEIGHT), (279, 4, 1, len(data)), (282, 5, 1, 8 + len(data)), (283, 5, 1, 8 + len(data)),
+            (296, 3, 1, 1), (339, 3, 1, sample_format)]
+    data += struct.pack("<II", 1, 1)  # the resolution: none
     after = 8 + len(data)
     if no_data is not None:
         tags.append((42113, 2, len(text), after + 2 + 12 * (len(tags) + 1) + 4 if len(text) > 4 else int.from_bytes(text.ljust(4, b"\0"), "little")))
@@ -149,7 +151,7 @@ def sparse_cube():
 
 
 def quantized_cube():
-    """KHR_mesh_quantization: corners as normalised shorts of 0 and 32767, which the node turns, moves and stretches back."""
+    """KHR_mesh_quantization: corners as normalised shorts of 0 and 32767, which the node turns and moves."""
     data = b"".join(struct.pack("<4h", *(32767 * x for x in c), 0) for c in CORNERS)
     numbers, accessor = indices(1, FLAT)
     position = {"bufferView": 0, "componentType": 5122, "normalized": True, "type": "VEC3", "count": 8, "min": [0, 0, 0], "max": [32767] * 3}

@@ -1,4 +1,4 @@
-# How every target of this project is compiled. Nothing of it reaches those who link one.
+# How every target of this project is compiled. Nothing of it reaches those who link one, but sanitizers.
 function(apertura_compile_as_ours target)
   # Fields of Vulkan's structs that are not named are zero. And float32 results do not depend on what is fused.
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wno-missing-field-initializers -ffp-contract=off)

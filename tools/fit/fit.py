@@ -1,4 +1,4 @@
-"""Finds the fitted constants of shaders/ and sh/ again.
+"""Finds the fitted constants of shaders/ and sh/ again. Build the project first: those that need the baker link what FOLDER holds.
 
     fit.py [NAME ...] [--build FOLDER]    NAME: of tools/fit/NAME.cpp [all]; FOLDER: a build folder of this project [build/release]
 
@@ -36,7 +36,8 @@ class Fit:
         self.name = name
         self.text = (HERE / f"{name}.cpp").read_text()
         self.ships = []  # the constants as they stand in the texts
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix=f"apertura-fit-{name}-"))
+        self.temporary = tempfile.TemporaryDirectory(prefix=f"apertura-fit-{name}-")
+        self.folder = pathlib.Path(self.temporary.name)
         inside = self.folder / "apertura"
         inside.mkdir()
         for top in ("sh", "shaders"):
@@ -51,7 +52,8 @@ class Fit:
         library = self.folder / "fit.so"
         own = [inside / "sh" / s for s in re.findall(r"^// with sh/(\S+)$", self.text, re.M)]
         archives = [next(build.rglob(f"libapertura_{room}.a")) for room in re.findall(r"^// links (\S+)$", self.text, re.M)]
-        flags = "-ltbb -lembree3 -lmeshoptimizer -lspng -lOpenImageIO -lOpenImageIO_Util -lassimp -ltiff".split() if archives else []
+        embree = "embree4" if pathlib.Path("/usr/include/embree4").exists() else "embree3"
+        flags = f"-ltbb -l{embree} -lmeshoptimizer -lspng -lOpenImageIO -lOpenImageIO_Util -lassimp -ltiff".split() if archives else []
         done = subprocess.run(["c++", "-std=c++20", "-O2", "-ffp-contract=off", "-shared", "-fPIC", "-Wall", "-Wextra", "-include", HERE / "fitted.h", f"-I{self.folder}",
                                f"-I{HERE}", f"-I{SOURCE}", f'-DAPERTURA_SOURCE="{SOURCE}"', HERE / f"{name}.cpp", *own, "-Wl,--start-group", *archives, "-Wl,--end-group",
                                *flags, "-o", library], capture_output=True, text=True)
@@ -61,39 +63,39 @@ class Fit:
         self.error_of.restype = ctypes.c_double
         self.error_of.argtypes = [ctypes.POINTER(ctypes.c_double), ctypes.c_int]
 
+    def variable(self, literal):
+        self.ships.append(float(literal))
+        return f"fitted[{len(self.ships) - 1}]"
+
     def vary(self, path, place, literals):
+        """Makes literals of a function, or that of a constant, variables in the copy of a text."""
         text = path.read_text()
-        if path.suffix != ".glsl" or not re.search(rf"^APERTURA_FN \w+ {place}\(", text, re.M):
-            # The initialiser of a constant: it becomes a macro, as its value is not constant any more.
-            found = re.search(rf"\b{place} = ([^,;]+)([,;])", text)
-            if not found or len(literals) != 1 or literals[0] not in found[1]:
-                sys.exit(f"{self.name}: {path.name} has no constant {place} = {literals}")
-            line = text.rindex("\n", 0, found.start()) + 1
-            text = text[:line] + f"#define {place} float(fitted[{len(self.ships)}])\n" + \
-                (re.sub(rf"\b{place} = [^,;]+,\s*", "", text[line:], count=1) if found[2] == "," else
-                 text[text.index("\n", found.end()) + 1:] if "," not in text[line:found.start()] else
-                 re.sub(rf",\s*{place} = [^,;]+", "", text[line:], count=1))
-            self.ships.append(float(literals[0]))
-            path.write_text(text)
+        function = re.search(rf"^APERTURA_FN \w+ {place}\(.*?(?:\}}\n|\n\}}\n)", text, re.M | re.S)
+        if function and "\n    " in function[0]:  # longer than a line: to the brace at its start
+            function = re.search(rf"^APERTURA_FN \w+ {place}\(.*?\n\}}\n", text, re.M | re.S)
+        if not function:
+            path.write_text(self.vary_constant(text, path.name, place, literals))
             return
-        begin = re.search(rf"^APERTURA_FN \w+ {place}\(", text, re.M).start()
-        end = re.search(r"\}\n", text[begin:]).end() + begin if "\n}" not in text[begin:begin + 4000] else text.index("\n", begin)
-        if not text[begin:end].rstrip().endswith("}"):
-            end = text.index("\n}\n", begin) + 3
-        body, index = text[begin:end], {}
+        body, names = function[0], {}
         for literal in literals:
             number, _, rule = literal.partition("=")
             pattern = rf"(?<![\w.]){re.escape(number)}(?![\w.])"
             if not re.search(pattern, body):
                 sys.exit(f"{self.name}: {place} in {path.name} has no {number}")
-            if rule:
-                value = re.sub(r"[\d.]+$", lambda m: f"fitted[{index[m[0]]}]", rule)
-            else:
-                index[number] = len(self.ships)
-                value = f"fitted[{len(self.ships)}]"
-                self.ships.append(float(number))
-            body = re.sub(pattern, value, body)
-        path.write_text(text[:begin] + body + text[end:])
+            names[number] = names[rule[2:]].join(("(1 - ", ")")) if rule else self.variable(number)
+            body = re.sub(pattern, names[number], body)
+        path.write_text(text[:function.start()] + body + text[function.end():])
+
+    def vary_constant(self, text, file, place, literals):
+        """Of `const T A = 1, B = 2;` A or B becomes a macro, as it is not constant any more."""
+        found = re.search(rf"^(?P<type>const(?:expr)? \w+ )(?P<all>[^;()]*\b{place} = [^;]*);", text, re.M)
+        parts = found["all"].split(", ") if found else []
+        own = [p for p in parts if p.startswith(place + " = ")]
+        if len(own) != 1 or len(literals) != 1 or literals[0] not in own[0]:
+            sys.exit(f"{self.name}: {file} has no constant {place} = {literals}")
+        rest = [p for p in parts if p not in own]
+        line = found["type"] + ", ".join(rest) + ";" if rest else ""
+        return text[:found.start()] + f"#define {place} float({self.variable(literals[0])})\n{line}" + text[found.end():]
 
     def error(self, constants):
         return self.error_of((ctypes.c_double * len(constants))(*constants), len(constants))
@@ -120,7 +122,6 @@ class Fit:
             lines.append("  reason: " + re.sub(r"\n//\s+", " ", reason[1]))
         lines.append("  ships " + " ".join(f"{x:.6g}" for x in ships))
         lines.append("  least " + " ".join(f"{x:.6g}" for x in best))
-        shutil.rmtree(self.folder)
         return "\n".join(lines), ratio <= MOST or bool(reason)
 
 

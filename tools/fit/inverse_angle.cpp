@@ -1,5 +1,5 @@
 // The reciprocal of the pseudo-angle between two axes, for lights of any size.
-// fits shaders/aperture.glsl aperturaOverlapOf 0.7119 0.1065 0.0112
+// fits shaders/aperture.glsl aperturaOverlapOf 0.71188 0.10650 0.01124
 #include "fitted.h"
 
 using namespace apertura;

@@ -41,8 +41,8 @@ inline vec4 lobeAcross(Random& random, const dvec3& axis, double radius, double 
 // as a share of what a moving light can at most change: 2 / (pi sin r) a radian.
 //   radii   of the lights, radians
 //   light   E of a light on receiver i of `count`; it depends on i and the light alone
-template <typename Light>
-double steepest(int count, const std::vector<double>& radii, Light&& light) {
+template <typename AperturaLight>
+double steepest(int count, const std::vector<double>& radii, AperturaLight&& light) {
     Random random(106);
     double out = 0;
     for (int i = 0; i < count; ++i) {

@@ -21,6 +21,5 @@ double error() {
     static const std::vector<SceneReceiver> inScenes = sceneReceivers(models()[APERTURA_MODEL_FIRM_2]);
     const double steps = std::max(steepestInScenes(inScenes, APERTURA_MODEL_FIRM_2, APERTURA_LIGHTS_MEDIUM, {5, 10}),
                                   steepestOfLobes(2, APERTURA_MODEL_FIRM_2, APERTURA_LIGHTS_MEDIUM, {0.06, 0.12, 0.17}));
-    if (std::getenv("SHOW")) std::printf("rms %.5f steep %.4f\n", rms, steps);
     return rms + 3 * std::max(steps - 1, 0.0);
 }

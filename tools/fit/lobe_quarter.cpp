@@ -27,6 +27,5 @@ double error() {
     const double steps = std::max({steepestInScenes(inScenes2, APERTURA_MODEL_FIRM_2, APERTURA_LIGHTS_ANY, {15, 30}),
                                    steepestInScenes(softInScenes, APERTURA_MODEL_SOFT_2, APERTURA_LIGHTS_ANY, {15, 30}) - 0.009,
                                    steepestInScenes(inScenes3, APERTURA_MODEL_FIRM_3, APERTURA_LIGHTS_ANY, {15, 30}) - 0.03});
-    if (std::getenv("SHOW")) std::printf("rms %.5f steep %.4f\n", rms, steps);
     return rms + 3 * std::max(steps - 1, 0.0);
 }

@@ -17,6 +17,5 @@ double error() {
     static const std::vector<LobeCase> four = lobeCases(4, 1500, 10, 45);
     static const std::vector<SceneReceiver> inScenes = sceneReceivers(models()[APERTURA_MODEL_FIRM_4]);
     const double steps = steepestInScenes(inScenes, APERTURA_MODEL_FIRM_4, APERTURA_LIGHTS_ANY, {15, 30});
-    if (std::getenv("SHOW")) std::printf("steep %.4f\n", steps);
     return rmsOf(four, APERTURA_MODEL_FIRM_4, APERTURA_LIGHTS_ANY) + 3 * std::max(steps - 1, 0.0);
 }

@@ -2,7 +2,7 @@
 // fits sh/params_packing.cpp kMiddleSlope 4
 // fits sh/params_packing.cpp kMiddleBend 10
 // with sh/params_packing.cpp
-// reason: assets hold these bytes, and files of 0.1 are read for ever; the error is flat about the least.
+// reason: assets hold these bytes, and files of 0.1 are read for ever.
 // links fit
 // links scene
 // links sampling

@@ -63,6 +63,5 @@ double error() {
         sum += std::pow(normalised(e, c.radius) - c.open * c.mean, 2);
     }
     const double steps = steepestInScenes(inScenes, APERTURA_MODEL_SOFT_L2, APERTURA_LIGHTS_ANY, {15, 30});
-    if (std::getenv("SHOW")) std::printf("rms %.5f steep %.4f\n", std::sqrt(sum / double(all.size())), steps);
     return std::sqrt(sum / double(all.size())) + 3 * std::max(steps - 1, 0.0);
 }

@@ -1,5 +1,5 @@
 // How much of a light the horizon leaves: the rim of lights of up to 45 degrees and its slope.
-// fits shaders/cap.glsl aperturaRimOf 0.4590 0.0622 0.0724 1.1278 0.2383 0.0144
+// fits shaders/cap.glsl aperturaRimOf 0.45902 0.06219 0.07244 1.12786 0.23844 0.01434
 // with sh/cap_reference.cpp
 #include "fitted.h"
 
