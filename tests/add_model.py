@@ -27,7 +27,7 @@ def add(folder):
     insert(receiver, "const int APERTURA_MODEL_COUNT", f"const int APERTURA_MODEL_FALLOFF = {count};\nconst int APERTURA_MODEL_MULTI_1 = {count + 1};\n")
     receiver.write_text(receiver.read_text().replace(f"APERTURA_MODEL_COUNT = {count};", f"APERTURA_MODEL_COUNT = {count + 2};"))
     models = folder / "shaders/models.glsl"
-    insert(models, "        default: e = irradianceByRival(", """\
+    insert(models, "        default: e = aperturaIrradianceByRival(", """\
         case APERTURA_MODEL_FALLOFF: e = open * aperturaFalloffTo(receiver.params[0], light); break;
         case APERTURA_MODEL_MULTI_1: e = open * aperturaVisibleFractionOfUnion(receiver, 1, light, lightClass); break;
 """)
@@ -58,7 +58,7 @@ def main():
     add(folder)
     build = folder / "build"
     subprocess.run(["cmake", "-S", folder, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"], check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["ninja", "-C", build, "apertura", "tests"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["ninja", "-C", build, "apertura_program", "apertura_tests"], check=True, stdout=subprocess.DEVNULL)
     out = folder / "out"
     out.mkdir(exist_ok=True)
     run = lambda *words: subprocess.run([build / "tools/apertura", *words], check=True, capture_output=True, text=True).stdout
