@@ -43,7 +43,10 @@ APERTURA_FN AperturaFloat aperturaFalloffTo(AperturaVec4 cap, AperturaCapLight l
     {.id = APERTURA_MODEL_MULTI_1, .name = "multi-1", .kind = Kind::Union, .parts = 1, .numbers = 3, .slots = 2, .stored = {Cap}, .what = "one aperture"},
 """)
     insert(folder / "bake/fit/fit.cpp", '    {"auto", "fit"', """\
-    {"multi-1", "fit", APERTURA_MODEL_MULTI_1, -1, "one aperture", caps<1>},
+    {"multi-1", "fit", APERTURA_MODEL_MULTI_1, -1, "one aperture", fittedLobes<APERTURA_MODEL_MULTI_1>},
+""")
+    insert(folder / "bake/fit/fit.cpp", "        {APERTURA_MODEL_CAP_ANTI, {Both", """\
+        {APERTURA_MODEL_MULTI_1, {Complement, asCaps(1), capsOf<1>, lobesOfCaps<1>}},
 """)
 
 
