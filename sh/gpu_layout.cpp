@@ -13,12 +13,14 @@ static_assert(offsetof(AperturaCapLight, area) == 20 && offsetof(AperturaCapLigh
 static_assert(offsetof(AperturaCapLight, inverseSin) == 40 && offsetof(AperturaCapLight, shrink) == 48
               && offsetof(AperturaCapLight, axialWeight) == 56);
 
-static_assert(sizeof(AperturaLight) == 96);
-static_assert(offsetof(AperturaLight, cap) == 0 && offsetof(AperturaLight, sphere) == 64 && offsetof(AperturaLight, radiance) == 80);
+static_assert(sizeof(AperturaLight) == 128);
+static_assert(offsetof(AperturaLight, cap) == 0 && offsetof(AperturaLight, sphere) == 64 && offsetof(AperturaLight, radiance) == 80
+              && offsetof(AperturaLight, behind) == 96 && offsetof(AperturaLight, before) == 112);
 
-static_assert(sizeof(AperturaFrame) == 112 + 96 * APERTURA_MAX_LIGHTS);
-static_assert(offsetof(AperturaFrame, toClip) == 0 && offsetof(AperturaFrame, sky) == 64 && offsetof(AperturaFrame, albedo) == 80);
-static_assert(offsetof(AperturaFrame, counts) == 96 && offsetof(AperturaFrame, lights) == 112);
+static_assert(sizeof(AperturaFrame) == 320 + 128 * APERTURA_MAX_LIGHTS);
+static_assert(offsetof(AperturaFrame, toClip) == 0 && offsetof(AperturaFrame, sky) == 64 && offsetof(AperturaFrame, eye) == 208);
+static_assert(offsetof(AperturaFrame, rays) == 224 && offsetof(AperturaFrame, brightest) == 272 && offsetof(AperturaFrame, albedo) == 288);
+static_assert(offsetof(AperturaFrame, counts) == 304 && offsetof(AperturaFrame, lights) == 320);
 
 static_assert(sizeof(AperturaSceneVertex) == 32);
 static_assert(offsetof(AperturaSceneVertex, position) == 0 && offsetof(AperturaSceneVertex, normal) == 16);

@@ -24,13 +24,21 @@ inline float aperturaShadowDepth(const ShadowDepths& map, ivec2 texel) { return 
 #define APERTURA_CPP
 #define APERTURA_FN inline
 #define APERTURA_STD140 alignas(16)
+#include "apertura/shaders/background.glsl"
 #include "apertura/shaders/evaluate.glsl"
 #include "apertura/shaders/frame.glsl"
 #include "apertura/shaders/lattice.glsl"
 #include "apertura/shaders/models.glsl"
 #include "apertura/shaders/soft_shadow.glsl"
 #include "apertura/shaders/texels.glsl"
+#include "apertura/shaders/tone.glsl"
 #include "apertura/shaders/visible.glsl"
+
+// The lights of a frame.
+#define APERTURA_LIGHT_LIST const AperturaLight*
+inline const AperturaLight& aperturaLightAt(const AperturaLight* lights, int i) { return lights[i]; }
+#include "apertura/shaders/lights.glsl"
+#undef APERTURA_LIGHT_LIST
 #undef APERTURA_CPP
 #undef APERTURA_SHADOW_MAP
 #undef APERTURA_FN

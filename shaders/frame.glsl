@@ -2,25 +2,36 @@
 // std430) and in C++ (runtime/render/renderer.cpp).
 #ifndef APERTURA_FRAME_GLSL
 #define APERTURA_FRAME_GLSL
-#include "cap.glsl"
+#include "sky.glsl"
 
-const int APERTURA_MAX_LIGHTS = 16;
+const int APERTURA_MAX_LIGHTS = 17;  // a sun and sixteen more
 
 // A directional light with an angular radius, or a glowing sphere.
 struct APERTURA_STD140 AperturaLight {
     AperturaCapLight cap;  // the directional light
     vec4 sphere;           // xyz: the centre of the sphere, w: its radius > 0, metres; zeros for a directional light
     vec4 radiance;         // rgb, W/m2/sr
+    // What the view makes of the light beside others and the sky: arrangedLights (runtime/asset/view.h).
+    vec4 behind;   // rgb: the mean radiance of the sky behind a directional light
+    ivec4 before;  // x: bit k is set if light k of the frame may stand in front of this one
 };
 
 APERTURA_FN bool aperturaIsSphere(AperturaLight light) { return light.sphere.w > 0.0f; }
 
+// The mean radiance of the sky behind a light that is seen as `cap`, rgb, W/m2/sr.
+APERTURA_FN vec3 aperturaSkyBehind(AperturaLight light, AperturaCapLight cap, AperturaSky sky) {
+    return aperturaIsSphere(light) ? aperturaSkyMean(sky, cap.axis) : vec3(light.behind);
+}
+
 struct AperturaFrame {
     mat4 toClip;
-    vec4 sky;     // rgb, W/m2/sr, from all directions that no light fills
-    vec4 albedo;  // rgb, 0..1
-    // x: number of lights, 0..MAX_LIGHTS; y: where the frame's lit vertices begin, in floats; z: floats of each; w: where the faces begin
-    // in the indices, 0: there are none
+    AperturaSky sky;  // from all directions that no light fills
+    vec4 eye;         // xyz: world, metres; w: 1 if the sky has a picture
+    vec4 rays[3];     // xyz: a pixel looks along rays[0] + x rays[1] + y rays[2], x and y being -1..1 to the right and down
+    vec4 brightest;   // rgb: the largest radiance of any light
+    vec4 albedo;      // rgb, 0..1
+    // x: number of lights, 0..APERTURA_MAX_LIGHTS; y: where the frame's lit vertices begin, in floats; z: floats of each; w: where the
+    // faces begin in the indices, 0: there are none
     ivec4 counts;
     AperturaLight lights[APERTURA_MAX_LIGHTS];
 };

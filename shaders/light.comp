@@ -3,6 +3,8 @@
 #define APERTURA_LIT writeonly
 #include "lit.glsl"
 #include "vertex_params.glsl"
+AperturaLight aperturaLightAt(int frameOfAll, int i) { return frame.lights[i]; }
+#include "lights.glsl"
 
 // Lights every vertex once for a frame. What is kept is the fraction of each light that is visible, so that a pixel's own normal and its
 // own view of a lamp still count.
@@ -16,7 +18,7 @@ void lightVertex(uint vertex) {
         // A pixel may face a light that its vertex does not: there the vertex is lit as if it leant towards it.
         vec3 leaning = normalize(normal + max(2.0 * light.sinRadius + 0.05 - dot(normal, light.axis), 0.0) * light.axis);
         float open = aperturaUnoccludedIrradiance(leaning, light, lightClass);
-        float e = aperturaIrradianceThrough(model, receiverOf(vertex, leaning), light, lightClass);
+        float e = aperturaIrradianceBeside(model, receiverOf(vertex, leaning), vertices[vertex].position.xyz, 0, i, lightClass);
         litVertices[at + uint(i) + 1] = clamp(e / max(open, 1e-12), 0.0, 1.0);
     }
     litVertices[at] = aperturaSkyIrradiance(model, receiverOf(vertex, normal));

@@ -2,6 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "models.glsl"
 #include "scene.glsl"
+AperturaLight aperturaLightAt(int frameOfAll, int i) { return frame.lights[i]; }
+#include "lights.glsl"
 
 layout(constant_id = 0) const int model = APERTURA_MODEL_SOFT;
 layout(constant_id = 1) const int more = APERTURA_MAX_LIGHTS / 4;
@@ -10,18 +12,17 @@ layout(constant_id = 2) const int lightClass = APERTURA_LIGHTS_ANY;
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
 layout(location = 2) in vec4 seen;
-layout(location = 3) in vec4 visible[APERTURA_MAX_LIGHTS / 4];
+layout(location = 3) in vec3 radiance;
+layout(location = 4) in vec4 visible[APERTURA_MAX_LIGHTS / 4];
 
 layout(location = 0) out vec4 colour;
 
-vec3 irradiance = vec3(0.0);
-float lit = 0.0;
+AperturaIrradiance irradiance = AperturaIrradiance(vec3(0.0), vec3(0.0), 0.0);
 
 // Without blockers a light's E is that of the pixel: its own normal, and what it sees of a lamp.
 void addLight(vec3 normal, AperturaLight light, float fraction) {
-    float e = fraction * aperturaUnoccludedIrradiance(normal, aperturaCapSeenFrom(worldPosition, light, lightClass), lightClass);
-    irradiance += e * light.radiance.rgb;
-    lit += e;
+    AperturaCapLight cap = aperturaCapSeenFrom(worldPosition, light, lightClass);
+    irradiance = aperturaWithLight(irradiance, light, cap, fraction * aperturaUnoccludedIrradiance(normal, cap, lightClass), frame.sky);
 }
 
 void main() {
@@ -32,7 +33,6 @@ void main() {
     for (int i = 0; i < more; ++i)
         for (int k = 0; k < 4; ++k)
             if (4 * i + k + 1 < frame.counts.x) addLight(receiver.normal, frame.lights[4 * i + k + 1], visible[i][k]);
-    float sky = aperturaSkyNeedsMore(model) ? seen.x : aperturaSkyIrradiance(model, receiver);
-    irradiance += max(sky - lit, 0.0) * frame.sky.rgb;
-    colour = vec4(frame.albedo.rgb / APERTURA_PI * irradiance, 1.0);
+    irradiance.sky = aperturaSkyNeedsMore(model) ? seen.x : aperturaSkyIrradiance(model, receiver);
+    colour = vec4(frame.albedo.rgb / APERTURA_PI * aperturaSumOf(irradiance, radiance, frame.brightest.rgb), 1.0);
 }

@@ -3,6 +3,8 @@
 #include "lattice.glsl"
 #include "texels.glsl"
 #include "vertex_params.glsl"
+AperturaLight aperturaLightAt(int frameOfAll, int i) { return frame.lights[i]; }
+#include "lights.glsl"
 
 layout(std430, set = 0, binding = 6) readonly buffer SoftTable { vec4 softNodes[]; };
 vec4 aperturaSoftNode(int i) { return softNodes[i]; }
@@ -25,23 +27,27 @@ layout(constant_id = 4) const bool onTexels = false;  // some meshes have images
 
 layout(location = 0) out vec4 colour;  // reflected radiance, linear
 
-vec3 irradiance = vec3(0.0);
-float lit = 0.0;  // the lights' E for unit radiance
-float sky = 0.0;  // the sky's
+AperturaIrradiance irradiance = AperturaIrradiance(vec3(0.0), vec3(0.0), 0.0);
+vec4 visibility = vec4(0.0);
 
-void addLight(AperturaReceiver receiver, float share, AperturaLight light) {
-    float e = share * aperturaIrradianceThrough(model, receiver, aperturaCapSeenFrom(worldPosition, light, lightClass), lightClass);
-    irradiance += e * light.radiance.rgb;
-    lit += e;
+void addLight(AperturaReceiver receiver, float share, int i) {
+    AperturaCapLight cap = aperturaCapSeenFrom(worldPosition, frame.lights[i], lightClass);
+#if APERTURA_ONE_LIGHT
+    float e = aperturaIrradianceThrough(model, receiver, cap, lightClass);
+#else
+    float e = aperturaIrradianceBeside(model, receiver, worldPosition, 0, i, lightClass);
+#endif
+    irradiance = aperturaWithLight(irradiance, frame.lights[i], cap, share * e, frame.sky);
 }
 
 void addReceiver(AperturaReceiver receiver, float share) {
 #if APERTURA_ONE_LIGHT
-    addLight(receiver, share, frame.lights[0]);
+    addLight(receiver, share, 0);
 #else
-    for (int i = 0; i < frame.counts.x; ++i) addLight(receiver, share, frame.lights[i]);
+    for (int i = 0; i < frame.counts.x; ++i) addLight(receiver, share, i);
 #endif
-    sky += share * aperturaSkyIrradiance(model, receiver);
+    irradiance.sky += share * aperturaSkyIrradiance(model, receiver);
+    visibility += share * receiver.visibility;
 }
 
 // The four texels of one of a footprint's places in one of its two mips, and their shares.
@@ -108,7 +114,6 @@ void main() {
     addReceiver(aperturaRenormalised(model, receiver), 1.0);
 #endif
 #endif
-    // The sky fills the part of the opening that the lights leave.
-    irradiance += max(sky - lit, 0.0) * frame.sky.rgb;
-    colour = vec4(frame.albedo.rgb / APERTURA_PI * irradiance, 1.0);
+    vec3 radiance = aperturaSkyThrough(model, normal, visibility, frame.sky);
+    colour = vec4(frame.albedo.rgb / APERTURA_PI * aperturaSumOf(irradiance, radiance, frame.brightest.rgb), 1.0);
 }

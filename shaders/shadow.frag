@@ -17,6 +17,7 @@ void main() {
     float turn = 6.2831853 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     float open = aperturaOpenInShadowMap(shadowMap, shadow, worldPosition, normal, turn);
     float lit = open * aperturaIrradianceAboveHorizon(normal, frame.lights[0].cap);
-    vec3 irradiance = lit * frame.lights[0].radiance.rgb + max(APERTURA_PI - lit, 0.0) * frame.sky.rgb;
+    vec3 sky = APERTURA_PI * aperturaSkyMean(frame.sky, 2.0 / 3.0 * normal);
+    vec3 irradiance = lit * frame.lights[0].radiance.rgb + max(sky - lit * frame.lights[0].behind.rgb, vec3(0.0));
     colour = vec4(frame.albedo.rgb / APERTURA_PI * irradiance, 1.0);
 }

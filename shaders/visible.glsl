@@ -37,32 +37,44 @@ APERTURA_FN AperturaVec3 aperturaSlopeOfLobes(AperturaReceiver receiver, int cou
 // (tools/fit/cap_slope.cpp).
 const AperturaFloat APERTURA_CAP_SLOPE = AperturaFloat(240.0);
 
+// AperturaLightVisibility::slope of a model. `mean`: its visibility's mean over the light.
+APERTURA_FN AperturaVec3 aperturaSlopeOfVisibility(int model, AperturaReceiver receiver, AperturaCapLight light, AperturaFloat mean) {
+    int form = model == APERTURA_MODEL_AUTO ? aperturaChoiceIn(receiver.params[APERTURA_CHOICE_SLOT]).model : model;
+    switch (form) {
+        case APERTURA_MODEL_APERTURE:
+        case APERTURA_MODEL_ALPHA: {
+            // No edge, where the cap holds all of the light or none.
+            AperturaFloat inside = form == APERTURA_MODEL_ALPHA ? mean / max(aperturaOpacityIn(receiver), aperturaSmall(1e-6)) : mean;
+            inside = clamp(inside, AperturaFloat(0.0), AperturaFloat(1.0));
+            return APERTURA_CAP_SLOPE * AperturaFloat(4.0) * inside * (AperturaFloat(1.0) - inside) * aperturaOnlyApertureIn(receiver).axis;
+        }
+        case APERTURA_MODEL_SOFT: return aperturaSoftIn(receiver.params[0]).slope;
+        case APERTURA_MODEL_FIRM_2:
+        case APERTURA_MODEL_SOFT_2: return aperturaSlopeOfLobes(receiver, 2, light);
+        case APERTURA_MODEL_FIRM_3: return aperturaSlopeOfLobes(receiver, 3, light);
+        case APERTURA_MODEL_FIRM_4: return aperturaSlopeOfLobes(receiver, 4, light);
+        case APERTURA_MODEL_SOFT_L2:
+            return aperturaQuadricIn(receiver).slope + AperturaFloat(2.0) * aperturaBendTimes(aperturaQuadricIn(receiver), light.axis);
+        default: return AperturaVec3(AperturaFloat(0.0));
+    }
+}
+
 APERTURA_FN AperturaLightVisibility aperturaVisibilityOfLight(int model, AperturaReceiver receiver, AperturaCapLight light,
                                                               int lightClass) {
     AperturaLightVisibility v;
     AperturaFloat open = aperturaUnoccludedIrradiance(receiver.normal, light, lightClass);
     v.mean = clamp(aperturaIrradianceThrough(model, receiver, light, lightClass) / max(open, aperturaSmall(1e-12)), AperturaFloat(0.0),
                    AperturaFloat(1.0));
-    switch (model) {
-        case APERTURA_MODEL_APERTURE:
-        case APERTURA_MODEL_ALPHA: {
-            // No edge, where the cap holds all of the light or none.
-            AperturaFloat inside = model == APERTURA_MODEL_ALPHA ? v.mean / max(aperturaOpacityIn(receiver), aperturaSmall(1e-6)) : v.mean;
-            inside = clamp(inside, AperturaFloat(0.0), AperturaFloat(1.0));
-            v.slope = APERTURA_CAP_SLOPE * AperturaFloat(4.0) * inside * (AperturaFloat(1.0) - inside)
-                    * aperturaOnlyApertureIn(receiver).axis;
-            break;
-        }
-        case APERTURA_MODEL_SOFT: v.slope = aperturaSoftIn(receiver.params[0]).slope; break;
-        case APERTURA_MODEL_FIRM_2:
-        case APERTURA_MODEL_SOFT_2: v.slope = aperturaSlopeOfLobes(receiver, 2, light); break;
-        case APERTURA_MODEL_FIRM_3: v.slope = aperturaSlopeOfLobes(receiver, 3, light); break;
-        case APERTURA_MODEL_FIRM_4: v.slope = aperturaSlopeOfLobes(receiver, 4, light); break;
-        case APERTURA_MODEL_SOFT_L2:
-            v.slope = aperturaQuadricIn(receiver).slope + AperturaFloat(2.0) * aperturaBendTimes(aperturaQuadricIn(receiver), light.axis);
-            break;
-        default: v.slope = AperturaVec3(AperturaFloat(0.0)); break;
-    }
+    v.slope = aperturaSlopeOfVisibility(model, receiver, light, v.mean);
+    return v;
+}
+
+// What a light that stands in front of another leaves of it: 1 - the fraction of its E that `nearer` covers, as a visibility with an edge.
+APERTURA_FN AperturaLightVisibility aperturaLeftBy(AperturaVec3 normal, AperturaCapLight nearer, AperturaCapLight light, int lightClass) {
+    AperturaLightVisibility v;
+    AperturaFloat covered = aperturaVisibleFraction(normal, aperturaMakeAperture(nearer.axis, nearer.height), light, lightClass);
+    v.mean = AperturaFloat(1.0) - covered;
+    v.slope = -APERTURA_CAP_SLOPE * AperturaFloat(4.0) * covered * v.mean * nearer.axis;
     return v;
 }
 
@@ -76,6 +88,14 @@ APERTURA_FN AperturaFloat aperturaMeanOfBoth(AperturaLightVisibility a, Apertura
                               * aperturaInverseDeviationOfLobe(a.slope, alongA, light)
                               * aperturaInverseDeviationOfLobe(b.slope, alongB, light);
     return aperturaMeanOfTwo(a.mean, b.mean, aperturaEdgeAlignment(correlation));
+}
+
+// Both at once, as one visibility: the edge of each shows where the other is open.
+APERTURA_FN AperturaLightVisibility aperturaBoth(AperturaLightVisibility a, AperturaLightVisibility b, AperturaCapLight light) {
+    AperturaLightVisibility v;
+    v.mean = aperturaMeanOfBoth(a, b, light);
+    v.slope = b.mean * a.slope + a.mean * b.slope;
+    return v;
 }
 
 #endif

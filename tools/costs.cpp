@@ -10,8 +10,8 @@
 #include "apertura/bake/fit/bake.h"
 #include "apertura/bake/sampling/directions.h"
 #include "apertura/bake/scene/builtin.h"
-#include "apertura/bake/scene/isolated.h"
 #include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/isolated.h"
 
 namespace apertura {
 namespace {

@@ -22,32 +22,61 @@ public:
 
     glm::vec3 radiance(const glm::vec3& eye, const glm::vec3& direction, uint64_t sample) {
         const std::optional<Hit> hit = tracer_.nearest(eye, direction);
-        if (!hit) return view_.sky;
+        if (const std::optional<glm::vec3> light = lightAlong(eye, direction, hit ? hit->distance : kNoLimit)) return *light;
+        if (!hit) return view_.sky.towards(glm::normalize(direction));
         const glm::dvec3 origin = rayOrigin(tracer_, {hit->at.position, hit->at.normal});
-        std::vector<AperturaCapLight> caps;
+        caps_.clear();
+        for (const AperturaLight& light : view_.lights) caps_.push_back(aperturaCapSeenFrom(hit->at.position, light, APERTURA_LIGHTS_ANY));
         glm::vec3 irradiance(0);
-        for (const AperturaLight& light : view_.lights) {
-            const AperturaCapLight cap = aperturaCapSeenFrom(hit->at.position, light, APERTURA_LIGHTS_ANY);
-            irradiance += fromLight(light, cap, origin, hit->at.normal, sample, caps.size());
-            caps.push_back(cap);
-        }
-        irradiance += fromSky(caps, origin, hit->at.normal, sample);
+        for (size_t i = 0; i < caps_.size(); ++i) irradiance += fromLight(i, origin, hit->at.position, hit->at.normal, sample);
+        irradiance += fromSky(origin, hit->at.normal, sample);
         return view_.albedo / float(pi) * irradiance;
     }
 
 private:
-    glm::vec3 fromLight(const AperturaLight& light, const AperturaCapLight& cap, const glm::dvec3& origin, const glm::vec3& normal,
-                        uint64_t sample, size_t index) {
+    bool isIn(size_t light, const glm::vec3& direction) const { return glm::dot(direction, caps_[light].axis) >= 1 - caps_[light].height; }
+
+    // The light that is seen along a ray, nearer than `distance` lengths of it.
+    std::optional<glm::vec3> lightAlong(const glm::vec3& eye, const glm::vec3& direction, float distance) const {
+        const float length = glm::length(direction);
+        const glm::vec3 ray = direction / length;
+        float nearest = distance * length;
+        std::optional<glm::vec3> out;
+        for (const AperturaLight& light : view_.lights) {
+            if (aperturaIsSphere(light)) {
+                const float along = aperturaDistanceToLamp(light.sphere, eye, ray);
+                if (along > 0 && along < nearest) nearest = along, out = vec3(light.radiance);
+            } else if (distance == kNoLimit && !out && aperturaIsWithin(light.cap, ray)) {
+                out = vec3(light.radiance);
+            }
+        }
+        return out;
+    }
+
+    glm::vec3 fromLight(size_t index, const glm::dvec3& origin, const glm::vec3& position, const glm::vec3& normal, uint64_t sample) {
+        const AperturaLight& light = view_.lights[index];
+        const AperturaCapLight& cap = caps_[index];
         const glm::mat3 frame = frameFromZ(cap.axis, 2 * pi * hashUnit(options_.seed, sample, 2 + index));
         rays_.clear();
         reach_.clear();
         for (const glm::vec3& w : fibonacciCap(options_.lightRays, cap.height))
-            if (const glm::vec3 d = frame * w; glm::dot(d, normal) > 0) {
+            if (const glm::vec3 d = frame * w; glm::dot(d, normal) > 0 && !isHidden(index, position, d)) {
                 rays_.push_back(d);
                 reach_.push_back(aperturaIsSphere(light) ? distanceTo(light.sphere, origin, d) : kNoLimit);
             }
-        const double cosines = openCosines(origin, normal, {});
+        const double cosines = openCosines(origin, normal);
         return float(cosines * 2 * pi * cap.height / options_.lightRays) * vec3(light.radiance);
+    }
+
+    // True if another light stands before this one in a direction.
+    bool isHidden(size_t index, const glm::vec3& position, const glm::vec3& direction) const {
+        for (size_t k = 0; k < caps_.size(); ++k) {
+            const bool before = aperturaIsSphere(view_.lights[index]) || aperturaIsSphere(view_.lights[k])
+                                  ? k != index && aperturaStandsBefore(view_.lights[k], view_.lights[index], position)
+                                  : k < index;
+            if (before && isIn(k, direction)) return true;
+        }
+        return false;
     }
 
     // Metres along a unit ray to where it enters a sphere, or to its point nearest the sphere if it misses.
@@ -58,32 +87,45 @@ private:
     }
 
     // Irradiance from the sky, which the lights hide where they stand.
-    glm::vec3 fromSky(const std::vector<AperturaCapLight>& caps, const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample) {
+    glm::vec3 fromSky(const glm::dvec3& origin, const glm::vec3& normal, uint64_t sample) {
         const glm::mat3 frame = frameFromZ(normal, 2 * pi * hashUnit(options_.seed, sample, 1));
         rays_.clear();
-        for (const glm::vec3& w : sky_) rays_.push_back(frame * w);
+        for (const glm::vec3& w : sky_) {
+            const glm::vec3 ray = frame * w;
+            bool hidden = false;
+            for (size_t i = 0; i < caps_.size(); ++i) hidden = hidden || isIn(i, ray);
+            if (!hidden) rays_.push_back(ray);
+        }
         reach_.assign(rays_.size(), kNoLimit);
-        return float(openCosines(origin, normal, caps) * 2 * pi / options_.skyRays) * view_.sky;
+        const double each = 2 * pi / options_.skyRays;
+        if (!view_.sky.picture()) return float(openCosines(origin, normal) * each) * view_.sky.towards(normal);
+        trace(origin);
+        glm::dvec3 sum(0);
+        for (size_t i = 0; i < rays_.size(); ++i)
+            if (!blocked_[i]) sum += double(glm::dot(rays_[i], normal)) * glm::dvec3(view_.sky.towards(rays_[i]));
+        return each * sum;
     }
 
-    // Sum of the cosines to the normal of those rays_ that are unblocked over their reach_ and lie in no cap of `skip`.
-    double openCosines(const glm::dvec3& origin, const glm::vec3& normal, const std::vector<AperturaCapLight>& skip) {
+    // Sum of the cosines to the normal of those rays_ that are unblocked over their reach_.
+    double openCosines(const glm::dvec3& origin, const glm::vec3& normal) {
+        trace(origin);
+        double sum = 0;
+        for (size_t i = 0; i < rays_.size(); ++i)
+            if (!blocked_[i]) sum += glm::dot(rays_[i], normal);
+        return sum;
+    }
+
+    void trace(const glm::dvec3& origin) {
         blocked_.resize(rays_.size());
         tracer_.occluded(origin, rays_, reach_, blocked_.data());
-        double sum = 0;
-        for (size_t i = 0; i < rays_.size(); ++i) {
-            bool counts = !blocked_[i];
-            for (const AperturaCapLight& cap : skip) counts = counts && glm::dot(rays_[i], cap.axis) < 1 - cap.height;
-            if (counts) sum += glm::dot(rays_[i], normal);
-        }
-        return sum;
     }
 
     const Tracer& tracer_;
     const View& view_;
     const ReferenceOptions& options_;
     std::vector<glm::vec3> sky_, rays_;
-    std::vector<float> reach_;  // metres, one per ray
+    std::vector<AperturaCapLight> caps_;  // of the view's lights, from the receiver
+    std::vector<float> reach_;            // metres, one per ray
     std::vector<uint8_t> blocked_;
 };
 

@@ -110,7 +110,7 @@ void makeArcade(BuiltinScene& out) {
         out.receives.push_back(true);
     }
     out.receiverBoxes = {{glm::vec3(-kOuter, -1, -kOuter), glm::vec3(kOuter, 10, kOuter)}};
-    out.scene.camera = {{-4.5f, 1.8f, 8.2f}, {1.5f, 2.3f, -2}, 1.1f};
+    out.scene.cameras = {{{-4.5f, 1.8f, 8.2f}, {1.5f, 2.3f, -2}, 1.1f}};
 }
 
 }  // namespace apertura

@@ -59,7 +59,7 @@ void terrain(BuiltinScene& out) {
     makeNormals(surface);
     add(out, surface, true);
     out.receiverBoxes = {patch(0, 0, size * 3 / 5, size * 3 / 5)};
-    out.scene.camera = look({0, 11, 21}, {0, -0.5f, 1.5f});
+    out.scene.cameras = {look({0, 11, 21}, {0, -0.5f, 1.5f})};
 }
 
 void sphereOverPlane(BuiltinScene& out) {
@@ -72,7 +72,7 @@ void sphereOverPlane(BuiltinScene& out) {
         add(out, sphere, false);
         out.receiverBoxes.push_back(patch(x, 0, 5, 5));
     }
-    out.scene.camera = look({0, 7, 26}, {0, 0.5f, 0}, 0.65f);
+    out.scene.cameras = {look({0, 7, 26}, {0, 0.5f, 0}, 0.65f)};
 }
 
 void room(BuiltinScene& out, int windows) {
@@ -96,7 +96,7 @@ void room(BuiltinScene& out, int windows) {
     const Rect house{20 - x, 20 - z, 20 + x, 20 + z};
     addPanel(outside, {-20, 0, 20}, {40, 0, 0}, {0, 0, -40}, 1, {&house, 1});
     add(out, outside, false);
-    out.scene.camera = look({-2.7f, 1.7f, 2.3f}, {0.6f, 0.9f, -1.2f}, 1.2f);
+    out.scene.cameras = {look({-2.7f, 1.7f, 2.3f}, {0.6f, 0.9f, -1.2f}, 1.2f)};
 }
 
 void canyon(BuiltinScene& out) {
@@ -113,7 +113,7 @@ void canyon(BuiltinScene& out) {
     add(out, buildings, true);
     Box box = patch(0, 0, street + 0.01, 30);
     out.receiverBoxes = {box};
-    out.scene.camera = look({-2.5f, 7, 27}, {0.8f, 2.5f, 0}, 0.85f);
+    out.scene.cameras = {look({-2.5f, 7, 27}, {0.8f, 2.5f, 0}, 0.85f)};
 }
 
 void colonnade(BuiltinScene& out) {
@@ -125,7 +125,7 @@ void colonnade(BuiltinScene& out) {
     add(out, roof, false);
     add(out, columns, false);
     out.receiverBoxes = {patch(0, 0, 20, 5)};
-    out.scene.camera = look({11, 5.5f, 16}, {0.5f, 1.4f, 0}, 0.7f);
+    out.scene.cameras = {look({11, 5.5f, 16}, {0.5f, 1.4f, 0}, 0.7f)};
 }
 
 void forest(BuiltinScene& out) {
@@ -147,7 +147,7 @@ void forest(BuiltinScene& out) {
     }
     add(out, trees, false);
     out.receiverBoxes = {patch(0, 0, 12, 12)};
-    out.scene.camera = look({0, 15, 25}, {0, 0, 1}, 0.75f);
+    out.scene.cameras = {look({0, 15, 25}, {0, 0, 1}, 0.75f)};
 }
 
 void statue(BuiltinScene& out) {
@@ -158,7 +158,7 @@ void statue(BuiltinScene& out) {
     });
     add(out, surface, true);
     out.skyAboveGround = false;
-    out.scene.camera = look({1.7f, 1.6f, 4.1f}, {0, 0.05f, 0}, 0.65f);
+    out.scene.cameras = {look({1.7f, 1.6f, 4.1f}, {0, 0.05f, 0}, 0.65f)};
 }
 
 struct Builtin {

@@ -14,8 +14,8 @@
 #include <fstream>
 #include <limits>
 
-#include "apertura/bake/scene/isolated.h"
 #include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/isolated.h"
 
 namespace apertura {
 namespace {

@@ -6,9 +6,9 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 
-#include "apertura/bake/scene/isolated.h"
 #include "apertura/bake/scene/load.h"
 #include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/isolated.h"
 
 namespace apertura {
 namespace {

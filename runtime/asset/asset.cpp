@@ -92,7 +92,7 @@ void addScene(GltfWriter& writer, Scene& scene) {
         json["scenes"][0]["nodes"].push_back(instance.node);
         json["nodes"].push_back(std::move(node));
     }
-    if (scene.camera) addCamera(json, *scene.camera);
+    if (!scene.cameras.empty()) addCamera(json, scene.cameras.front());
 }
 
 Json describe(const BakeInfo& info) {

@@ -144,7 +144,8 @@ public:
         const Json& node = nodes_[index];
         const glm::dmat4 world = parent * localTransform(node);
         if (node.contains("mesh")) addMesh(index, node["mesh"].get<size_t>(), world);
-        if (node.contains("camera") && !scene_.camera) addCamera(document_.json["cameras"][node["camera"].get<size_t>()], world);
+        if (node.contains("camera")) addCamera(document_.json["cameras"][node["camera"].get<size_t>()], world);
+        addLight(node, world);
         for (const Json& child : listOf(node, "children")) visit(child.get<size_t>(), world, depth + 1);
         open_[index] = false;
     }
@@ -176,6 +177,16 @@ private:
         return sum;
     }
 
+    void addLight(const Json& node, const glm::dmat4& world) {
+        const auto extensions = node.find("extensions");
+        if (extensions == node.end() || !extensions->is_object() || !extensions->contains("KHR_lights_punctual")) return;
+        const Json& light = (*extensions)["KHR_lights_punctual"];
+        if (light.is_object() && light.contains("light") && light["light"].is_number_unsigned())
+            scene_.punctual.push_back({light["light"].get<size_t>(), world});
+        else
+            scene_.notes.push_back("one of its lights cannot be used");
+    }
+
     void addCamera(const Json& camera, const glm::dmat4& world) {
         if (camera.value("type", "") != "perspective" || !camera.contains("perspective")) return;
         const double fov = camera["perspective"].value("yfov", 0.0);
@@ -188,7 +199,8 @@ private:
             return;
         }
         // The target is at least as far from the eye as the eye is from the origin, so that floats can tell them apart.
-        scene_.camera = Camera{glm::vec3(eye), glm::vec3(eye + std::max(1.0, far) * forward / length), float(fov), glm::vec3(up / height)};
+        scene_.cameras.push_back(
+            Camera{glm::vec3(eye), glm::vec3(eye + std::max(1.0, far) * forward / length), float(fov), glm::vec3(up / height)});
     }
 
     Scene& scene_;

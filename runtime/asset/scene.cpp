@@ -69,7 +69,7 @@ size_t triangleCount(const Scene& scene) {
 }
 
 Camera viewOf(const Scene& scene) {
-    if (scene.camera) return *scene.camera;
+    if (!scene.cameras.empty()) return scene.cameras.front();
     const Box box = worldBounds(scene);
     Camera camera;
     camera.target = 0.5f * (box.low + box.high);

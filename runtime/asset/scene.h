@@ -38,6 +38,12 @@ struct Camera {
     glm::vec3 up{0, 1, 0};               // towards the top of the picture; need not be perpendicular to the view
 };
 
+// A light of a glTF file: its place in the file's list, and where it stands.
+struct PunctualLight {
+    size_t index;
+    glm::dmat4 toWorld;
+};
+
 // Axis-aligned; the default is empty.
 struct Box {
     glm::vec3 low{1e30f}, high{-1e30f};
@@ -47,7 +53,8 @@ struct Scene {
     std::string name;  // the path as given, or builtin:NAME; errors begin with it
     std::vector<Surface> surfaces;
     std::vector<Instance> instances;
-    std::optional<Camera> camera;
+    std::vector<Camera> cameras;             // the file's own, in the order of its nodes
+    std::vector<PunctualLight> punctual;     // its lights (KHR_lights_punctual): see punctualLights
     bool isTerrain = false;                  // made from heights over a plane: from a height map, or builtin:terrain
     std::vector<std::string> notes;          // faults of the file that the reader works around, a line each
     std::shared_ptr<GltfDocument> document;  // the glTF file that it came from, unchanged; else null

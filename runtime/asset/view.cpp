@@ -20,11 +20,27 @@ glm::dmat3 cameraFrame(const Camera& camera) {
 }  // namespace
 
 AperturaLight directionalLight(const glm::vec3& direction, double radius, const glm::vec3& radiance) {
-    return {aperturaCapLight(glm::normalize(direction), float(std::sin(radius))), vec4(0), vec4(radiance, 0)};
+    return {aperturaCapLight(glm::normalize(direction), float(std::sin(radius))), vec4(0), vec4(radiance, 0), vec4(0), ivec4(0)};
 }
 
 AperturaLight sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance) {
-    return {aperturaCapLight({0, 1, 0}, 0), vec4(centre, radius), vec4(radiance, 0)};
+    return {aperturaCapLight({0, 1, 0}, 0), vec4(centre, radius), vec4(radiance, 0), vec4(0), ivec4(0)};
+}
+
+std::vector<AperturaLight> arrangedLights(const View& view) {
+    std::vector<AperturaLight> out = view.lights;
+    for (size_t i = 0; i < out.size(); ++i) {
+        AperturaLight& light = out[i];
+        light.before = ivec4(0);
+        if (!aperturaIsSphere(light)) light.behind = vec4(view.sky.meanOver(light.cap), 0);
+        for (size_t k = 0; k < out.size(); ++k) {
+            // A lamp hides what is farther, which is another from each place.
+            const bool mayHide = aperturaIsSphere(out[k]) ? k != i
+                                                          : !aperturaIsSphere(light) && k < i && aperturaMayOverlap(out[k].cap, light.cap);
+            if (mayHide) light.before.x |= 1 << k;
+        }
+    }
+    return out;
 }
 
 glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest) {
@@ -40,9 +56,15 @@ glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest) {
     return glm::mat4(projection * view);
 }
 
-glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v) {
+std::array<vec4, 3> raysOf(const Camera& camera, double aspect) {
     const double t = std::tan(camera.verticalFov / 2);
-    return glm::vec3(cameraFrame(camera) * glm::dvec3((2 * u - 1) * t * aspect, (1 - 2 * v) * t, -1));
+    const glm::dmat3 frame = cameraFrame(camera);
+    return {vec4(-frame[2], 0), vec4(t * aspect * frame[0], 0), vec4(-t * frame[1], 0)};
+}
+
+glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v) {
+    const std::array<vec4, 3> rays = raysOf(camera, aspect);
+    return vec3(rays[0] + float(2 * u - 1) * rays[1] + float(2 * v - 1) * rays[2]);
 }
 
 AperturaShadowView shadowViewOf(const AperturaLight& light, const Box& bounds) {

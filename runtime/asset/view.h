@@ -1,18 +1,22 @@
 #pragma once
 // The camera and the lights of a picture, the same for the Vulkan renderer and for the ray-traced reference.
+#include <array>
 #include <vector>
 
 #include "apertura/runtime/asset/scene.h"
+#include "apertura/runtime/asset/sky.h"
 #include "apertura/sh/shading.h"
 
 namespace apertura {
 
 struct View {
     Camera camera;
-    int width = 960, height = 540;      // pixels; each is the mean of 2 x 2 samples
-    std::vector<AperturaLight> lights;  // at most APERTURA_MAX_LIGHTS
-    glm::vec3 sky{0.11f, 0.2f, 0.42f};  // rgb radiance, W/m2/sr, uniform
-    glm::vec3 albedo{0.8f};             // rgb, 0..1, of all surfaces
+    int width = 960, height = 540;  // pixels; each is the mean of 2 x 2 samples
+    // At most APERTURA_MAX_LIGHTS. Lights that are seen in one direction hide each other: those at infinity the later ones in this list,
+    // lamps all that is farther.
+    std::vector<AperturaLight> lights;
+    Sky sky;                 // where no light is
+    glm::vec3 albedo{0.8f};  // rgb, 0..1, of all surfaces
 };
 
 // A light at infinity.
@@ -23,8 +27,14 @@ AperturaLight directionalLight(const glm::vec3& direction, double radius, const 
 // A glowing sphere: `centre` and `radius` > 0 in metres, `radiance` rgb in W/m2/sr.
 AperturaLight sphereLight(const glm::vec3& centre, double radius, const glm::vec3& radiance);
 
+// The view's lights, each with what is behind it and before it (AperturaLight): what the shaders and aperturaIrradianceBeside take.
+std::vector<AperturaLight> arrangedLights(const View& view);
+
 // World to Vulkan's clip space: y down, depth 1 at `nearest` metres and 0 at infinity. `aspect`: width over height.
 glm::mat4 clipTransform(const Camera& camera, double aspect, double nearest);
+
+// rays of AperturaFrame, for pictures of this aspect. Their sum is not unit.
+std::array<vec4, 3> raysOf(const Camera& camera, double aspect);
 
 // World direction, not unit, through the point (u, v) of the picture; u and v are 0..1 from its top left corner.
 glm::vec3 rayThrough(const Camera& camera, double aspect, double u, double v);

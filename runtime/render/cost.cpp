@@ -169,7 +169,8 @@ std::vector<double> measuredCosts(const Gpu& gpu, std::span<const CostCase> case
     std::vector<double> least(cases.size(), 1e30);
     for (int round = 0; round < rounds; ++round)
         for (size_t i = 0; i < cases.size(); ++i) {
-            const AperturaLight light{aperturaCapLight(vec3(0.6f, 0.64f, 0.48f), typicalSize(cases[i].lightClass)), vec4(0), vec4(1)};
+            const AperturaLight light{aperturaCapLight(vec3(0.6f, 0.64f, 0.48f), typicalSize(cases[i].lightClass)), vec4(0), vec4(1),
+                                      vec4(0), ivec4(0)};
             std::memcpy(lightBuffer.data(), &light, sizeof light);
             least[i] = std::min(least[i], stopwatch.seconds([&](vk::CommandBuffer commands) {
                 commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines[i]);

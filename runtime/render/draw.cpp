@@ -17,7 +17,9 @@ vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, cons
     const vk::PipelineRasterizationStateCreateInfo raster{.lineWidth = 1};
     const vk::PipelineMultisampleStateCreateInfo samples{.rasterizationSamples = vk::SampleCountFlagBits::e1};
     const vk::PipelineDepthStencilStateCreateInfo depth{
-        .depthTestEnable = true, .depthWriteEnable = true, .depthCompareOp = vk::CompareOp::eGreater};
+        .depthTestEnable = true,
+        .depthWriteEnable = true,
+        .depthCompareOp = shaders.covers == DrawShaders::Covers::Equal ? vk::CompareOp::eGreaterOrEqual : vk::CompareOp::eGreater};
     using Channel = vk::ColorComponentFlagBits;
     const vk::PipelineColorBlendAttachmentState attachment{.colorWriteMask = Channel::eR | Channel::eG | Channel::eB | Channel::eA};
     const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = shades ? 1u : 0u, .pAttachments = &attachment};
@@ -41,14 +43,13 @@ vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, cons
                                                                    .layout = bindings.layout()});
 }
 
-DrawPass::DrawPass(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, vk::Pipeline pipeline)
-    : commands_(commands) {
+DrawPass::DrawPass(vk::CommandBuffer commands, const RenderTarget& target) : commands_(commands) {
     const bool hasColour = target.colour;
     const vk::RenderingAttachmentInfo colour{.imageView = target.colour,
                                              .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
                                              .loadOp = vk::AttachmentLoadOp::eClear,
                                              .storeOp = vk::AttachmentStoreOp::eStore,
-                                             .clearValue = vk::ClearColorValue(std::array{clear.r, clear.g, clear.b, 1.0f})};
+                                             .clearValue = vk::ClearColorValue(std::array{0.0f, 0.0f, 0.0f, 1.0f})};
     const vk::RenderingAttachmentInfo depth{.imageView = target.depth,
                                             .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
                                             .loadOp = vk::AttachmentLoadOp::eClear,
@@ -62,7 +63,6 @@ DrawPass::DrawPass(vk::CommandBuffer commands, const RenderTarget& target, const
                              .pDepthAttachment = &depth});
     commands.setViewport(0, vk::Viewport{0, 0, float(target.size.width), float(target.size.height), 0, 1});
     commands.setScissor(0, all);
-    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, pipeline);
 }
 
 void DrawPass::draw(const GpuBindings& bindings, std::span<const uint32_t> offsets, uint32_t vertices, const GpuBuffer* indices) const {

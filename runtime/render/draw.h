@@ -13,20 +13,24 @@ constexpr vk::Format kDepthFormat = vk::Format::eD32Sfloat;
 struct DrawShaders {
     std::span<const uint32_t> vertex, fragment;
     std::span<const int32_t> constants;  // specialisation constants 0, 1, ... of both
+    enum class Covers { Farther, Equal };
+    Covers covers = Covers::Farther;  // what is drawn over: what lies farther, or at the same depth too
 };
 
 // A pipeline without vertex input, for a colour image of this format. The greater depth wins.
 vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour,
                                 vk::PipelineCreateFlags flags = {});
 
-// A pass over a target, from its construction to its destruction. It clears the images, the colour to `clear` and the depth to 0; the depth
+// A pass over a target, from its construction to its destruction. It clears the images, the colour to black and the depth to 0; the depth
 // is kept only if the target has no colour.
 class DrawPass {
 public:
-    DrawPass(vk::CommandBuffer commands, const RenderTarget& target, const glm::vec3& clear, vk::Pipeline pipeline);
+    DrawPass(vk::CommandBuffer commands, const RenderTarget& target);
     ~DrawPass() { commands_.endRendering(); }
     DrawPass(const DrawPass&) = delete;
 
+    // With what the next are drawn.
+    void use(vk::Pipeline pipeline) const { commands_.bindPipeline(vk::PipelineBindPoint::eGraphics, pipeline); }
     // Draws so many vertices or, by 32-bit indices, as many of these.
     //   bindings  with the layout of the pipeline's
     //   offsets   bytes, one per dynamic binding

@@ -5,6 +5,7 @@
 #include <optional>
 #include <tuple>
 
+#include "apertura/runtime/render/background.h"
 #include "apertura/runtime/render/draw.h"
 #include "apertura/runtime/render/geometry.h"
 #include "apertura/runtime/render/scene_shaders.h"
@@ -114,6 +115,7 @@ struct Renderer::State {
             parts.emplace_back(gpu_, asset_, std::move(part), onFaces, onTexels);
         }
         lit.emplace(gpu_, (frames_ + 1) * int(parts.size()));
+        background.emplace(gpu_, *lit);
     }
 
     const GpuBuffer& paramsOf(Part& part, const Model& model);
@@ -121,6 +123,7 @@ struct Renderer::State {
     // What lights a part in a frame: its place in `lit`.
     int litSlot(int frame, size_t part) const { return frame * int(parts.size()) + int(part); }
     void light(int frame, const View& view, VkExtent2D size, int floats = 0) const;
+    void drawBackground(const DrawPass& pass, const RenderTarget& target, const View& view, int frame) const;
     Picture picture(const View& view, const std::function<void(VkCommandBuffer, const RenderTarget&)>& record) const;
 
     const Gpu& gpu;
@@ -133,6 +136,7 @@ struct Renderer::State {
     GpuBuffer softNodes;
     GpuBuffer noVertices;
     std::optional<PerFrame<AperturaFrame>> lit;  // one for each frame and part
+    std::optional<Background> background;
     std::optional<ShadowMap> shadow;
     std::map<std::tuple<int, int, VkFormat, int>, vk::raii::Pipeline> pipelines;  // by model, light class, format and variantOf
     std::map<std::pair<int, int>, vk::raii::Pipeline> vertexLights;               // by model and light class
@@ -178,14 +182,21 @@ const Renderer::State::ModelBuffers& Renderer::State::buffersOf(Part& part, cons
 void Renderer::State::light(int frame, const View& view, VkExtent2D size, int floats) const {
     if (frame < 0 || frame > frames) throw Error("there is no frame " + std::to_string(frame) + " in flight");
     if (view.lights.size() > size_t(APERTURA_MAX_LIGHTS)) throw Error(kTooManyLights);
+    if (view.sky.picture() && !background->shows(view.sky)) throw Error("the renderer is not prepared for this picture of the sky");
     const float nearest = std::max(1e-4f * glm::length(box.high - box.low), 1e-9f);
     AperturaFrame out{};
-    out.toClip = clipTransform(view.camera, double(size.width) / size.height, nearest);
-    out.sky = vec4(view.sky, 0);
+    const double aspect = double(size.width) / size.height;
+    const std::vector<AperturaLight> lights = arrangedLights(view);
+    out.toClip = clipTransform(view.camera, aspect, nearest);
+    out.sky = view.sky.bands();
+    out.eye = vec4(view.camera.eye, view.sky.picture() ? 1 : 0);
+    const std::array<vec4, 3> rays = raysOf(view.camera, aspect);
+    std::copy(rays.begin(), rays.end(), out.rays);
     out.albedo = vec4(view.albedo, 0);
-    out.counts.x = int(view.lights.size());
+    out.counts.x = int(lights.size());
     out.counts.z = floats;
-    std::copy(view.lights.begin(), view.lights.end(), out.lights);
+    std::copy(lights.begin(), lights.end(), out.lights);
+    for (const AperturaLight& light : lights) out.brightest = max(out.brightest, light.radiance);
     for (size_t part = 0; part < parts.size(); ++part) {
         out.counts.y = int(size_t(frame) * parts[part].litFloatsAFrame(floats));
         out.counts.w = onFaces || onTexels ? int(parts[part].indexCount()) : 0;
@@ -201,6 +212,7 @@ LightAt Renderer::betterLightAt(const Model& model, double pixels) const {
 void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights) {
     if (mostLights < 0 || mostLights > APERTURA_MAX_LIGHTS) throw Error(kTooManyLights);
     State& p = *state_;
+    p.background->prepare(p.gpu, vk::Format(format));
     const bool atVertices = at == LightAt::Vertices;
     for (State::Part& part : p.parts) p.buffersOf(part, model, atVertices ? litFloats(mostLights) : 0);
     const GpuBindings& bindings = p.parts[0].buffers.at({model.id, atVertices ? litFloats(mostLights) : 0}).bindings;
@@ -250,14 +262,24 @@ void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View
                                          .dstAccessMask = vk::AccessFlagBits2::eShaderStorageRead};
         commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &written});
     }
-    const DrawPass pass(commands, target, view.sky, *pipeline->second);
+    const DrawPass pass(commands, target);
+    pass.use(*pipeline->second);
     each([&](const State::Part& part, const GpuBindings& bindings, uint32_t offset) {
         pass.draw(bindings, {&offset, 1}, part.indexCount(), at == LightAt::Vertices ? &part.indices : nullptr);
     });
+    p.drawBackground(pass, target, view, frame);
 }
+
+void Renderer::State::drawBackground(const DrawPass& pass, const RenderTarget& target, const View& view, int frame) const {
+    background->draw(pass, vk::Format(target.format), std::any_of(view.lights.begin(), view.lights.end(), aperturaIsSphere),
+                     PerFrame<AperturaFrame>::offset(litSlot(frame, 0)));
+}
+
+void Renderer::prepareSky(const Sky& sky) { state_->background->setSky(state_->gpu, *state_->lit, sky); }
 
 Picture Renderer::draw(const View& view, const Model& model, LightAt at) {
     prepare(model, lightClassOf(view), kPictureFormat, at, int(view.lights.size()));
+    prepareSky(view.sky);
     return state_->picture(
         view, [&](VkCommandBuffer commands, const RenderTarget& target) { record(commands, target, view, model, state_->frames, at); });
 }
@@ -270,6 +292,7 @@ void Renderer::prepareShadowMapped(VkFormat format) {
         p.shadow.emplace(p.gpu, *p.lit, parts, p.box, p.frames + 1);
     }
     p.shadow->prepare(p.gpu, format);
+    p.background->prepare(p.gpu, vk::Format(format));
 }
 
 void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const {
@@ -277,12 +300,16 @@ void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& 
     const std::optional<ShadowMap>& shadow = state_->shadow;
     if (!shadow) throw Error("the shadow map is not prepared");
     state_->light(frame, view, target.size);
-    shadow->record(commands, target, view, frame);
+    shadow->recordMap(commands, view, frame);
+    const DrawPass pass(commands, target);
+    shadow->draw(pass, target.format, frame);
+    state_->drawBackground(pass, target, view, frame);
 }
 
 Picture Renderer::drawShadowMapped(const View& view) {
     requireOneDirectional(view);
     prepareShadowMapped(kPictureFormat);
+    prepareSky(view.sky);
     return state_->picture(
         view, [&](VkCommandBuffer commands, const RenderTarget& target) { recordShadowMapped(commands, target, view, state_->frames); });
 }

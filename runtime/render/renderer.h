@@ -42,11 +42,15 @@ public:
     // Throws Error if the asset does not hold the model, the device has too little memory, or mostLights is above APERTURA_MAX_LIGHTS.
     void prepare(const Model& model, int lightClass, VkFormat format, LightAt at = LightAt::Pixels, int mostLights = APERTURA_MAX_LIGHTS);
 
-    // Clears the target to the sky and draws the scene over it. Allocates nothing, waits for nothing, compiles nothing.
+    // Uploads the picture of a sky, unless it is there already; a sky of one radiance needs none. Throws Error if it is too large.
+    void prepareSky(const Sky& sky);
+
+    // Clears the target and draws the scene, the sky about it and lights that are seen. Allocates nothing, waits for nothing, compiles
+    // nothing.
     //   view   its width and height are ignored
     //   frame  0 .. frames - 1; the device must have finished what was recorded with this number before
     // All frames must run on one queue. Throws Error unless `model` is prepared for lightClassOf(view), the format, `at` and as many
-    // lights, and if `frame` is out of range or the view has more than APERTURA_MAX_LIGHTS lights.
+    // lights, or if its sky's picture is not, and if `frame` is out of range or the view has more than APERTURA_MAX_LIGHTS lights.
     void record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame,
                 LightAt at = LightAt::Pixels) const;
 
@@ -56,7 +60,7 @@ public:
 
     // The same three functions for the baseline: N.L, a shadow map of 2048 x 2048 texels with percentage-closer soft
     // shadows, and a sky that nothing blocks. The last two throw Error unless the view has exactly one light, a directional one;
-    // recordShadowMapped also if it is not prepared for the format.
+    // recordShadowMapped also if it is not prepared for the format or the sky.
     void prepareShadowMapped(VkFormat format);
     void recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const;
     Picture drawShadowMapped(const View& view);

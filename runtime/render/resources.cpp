@@ -36,11 +36,12 @@ GpuBuffer upload(const Gpu& gpu, std::span<const std::byte> bytes, vk::BufferUsa
     return out;
 }
 
-GpuImage::GpuImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, vk::ImageUsageFlags usage, vk::ImageAspectFlags aspect)
+GpuImage::GpuImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, vk::ImageUsageFlags usage, vk::ImageAspectFlags aspect,
+                   uint32_t mips)
     : image_(make<vk::raii::Image>(gpu, vk::ImageCreateInfo{.imageType = vk::ImageType::e2D,
                                                             .format = format,
                                                             .extent = {size.width, size.height, 1},
-                                                            .mipLevels = 1,
+                                                            .mipLevels = mips,
                                                             .arrayLayers = 1,
                                                             .usage = usage})),
       aspect_(aspect) {
@@ -48,7 +49,7 @@ GpuImage::GpuImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, vk::Ima
     checked([&] { image_.bindMemory(*memory_, 0); });
     view_ = make<vk::raii::ImageView>(
         gpu, vk::ImageViewCreateInfo{
-                 .image = *image_, .viewType = vk::ImageViewType::e2D, .format = format, .subresourceRange = {aspect, 0, 1, 0, 1}});
+                 .image = *image_, .viewType = vk::ImageViewType::e2D, .format = format, .subresourceRange = {aspect, 0, mips, 0, 1}});
 }
 
 void GpuImage::transition(vk::CommandBuffer commands, vk::ImageLayout from, vk::ImageLayout to) const {
@@ -61,8 +62,31 @@ void GpuImage::transition(vk::CommandBuffer commands, vk::ImageLayout from, vk::
                                           .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                           .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                           .image = *image_,
-                                          .subresourceRange = {aspect_, 0, 1, 0, 1}};
+                                          .subresourceRange = {aspect_, 0, VK_REMAINING_MIP_LEVELS, 0, 1}};
     commands.pipelineBarrier2({.imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier});
+}
+
+GpuImage uploadImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, const std::vector<std::span<const std::byte>>& mips) {
+    size_t bytes = 0;
+    for (const auto& mip : mips) bytes += mip.size();
+    const GpuBuffer staging(gpu, bytes, vk::BufferUsageFlagBits::eTransferSrc, GpuBuffer::Place::Host);
+    GpuImage out(gpu, size, format, vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled,
+                 vk::ImageAspectFlagBits::eColor, uint32_t(mips.size()));
+    std::vector<vk::BufferImageCopy> copies;
+    size_t first = 0;
+    for (uint32_t i = 0; i < mips.size(); ++i) {
+        std::memcpy(static_cast<std::byte*>(staging.data()) + first, mips[i].data(), mips[i].size());
+        copies.push_back({.bufferOffset = first,
+                          .imageSubresource = {vk::ImageAspectFlagBits::eColor, i, 0, 1},
+                          .imageExtent = {std::max(size.width >> i, 1u), std::max(size.height >> i, 1u), 1}});
+        first += mips[i].size();
+    }
+    gpu.run([&](vk::CommandBuffer commands) {
+        out.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eTransferDstOptimal);
+        commands.copyBufferToImage(staging.handle(), out.handle(), vk::ImageLayout::eTransferDstOptimal, copies);
+        out.transition(commands, vk::ImageLayout::eTransferDstOptimal, vk::ImageLayout::eShaderReadOnlyOptimal);
+    });
+    return out;
 }
 
 void letHostRead(vk::CommandBuffer commands, vk::PipelineStageFlags2 stage, vk::AccessFlags2 access) {
@@ -96,6 +120,7 @@ GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings) {
         vk::WriteDescriptorSet write{.dstSet = *set_, .dstBinding = i, .descriptorCount = 1, .descriptorType = bindings[i].type};
         if (bindings[i].image) {
             image.imageView = bindings[i].image->view();
+            image.sampler = bindings[i].sampler;
             write.pImageInfo = &image;
         } else {
             buffer.buffer = bindings[i].buffer->handle();

@@ -60,10 +60,11 @@ private:
 // A buffer in device memory that holds `bytes`.
 GpuBuffer upload(const Gpu& gpu, std::span<const std::byte> bytes, vk::BufferUsageFlags usage);
 
-// A two-dimensional image with one view and its own memory.
+// A two-dimensional image with its mips, one view of all and its own memory.
 class GpuImage {
 public:
-    GpuImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, vk::ImageUsageFlags usage, vk::ImageAspectFlags aspect);
+    GpuImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, vk::ImageUsageFlags usage, vk::ImageAspectFlags aspect,
+             uint32_t mips = 1);
 
     vk::Image handle() const { return *image_; }
     vk::ImageView view() const { return *view_; }
@@ -76,6 +77,10 @@ private:
     vk::raii::ImageView view_ = nullptr;
     vk::ImageAspectFlags aspect_;
 };
+
+// An image for shaders to read, in SHADER_READ_ONLY_OPTIMAL. `mips`: the pixels of each, row by row from the top; the first has `size`,
+// each other one half of that before, rounded down.
+GpuImage uploadImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, const std::vector<std::span<const std::byte>>& mips);
 
 // Makes what `stage` wrote with `access` visible to the host once the commands have run.
 void letHostRead(vk::CommandBuffer commands, vk::PipelineStageFlags2 stage, vk::AccessFlags2 access);
@@ -90,6 +95,7 @@ public:
         const GpuBuffer* buffer;
         const GpuImage* image = nullptr;     // instead of a buffer, in SHADER_READ_ONLY_OPTIMAL
         VkDeviceSize range = VK_WHOLE_SIZE;  // of the buffer, bytes
+        vk::Sampler sampler{};               // of the image, for eCombinedImageSampler
     };
     GpuBindings(const Gpu& gpu, std::span<const Binding> bindings);
 

@@ -1,6 +1,5 @@
 #include "apertura/runtime/render/shadow_map.h"
 
-#include "apertura/runtime/render/draw.h"
 #include "scene.vert.h"
 #include "shadow.frag.h"
 #include "shadow.vert.h"
@@ -40,23 +39,31 @@ void ShadowMap::prepare(const Gpu& gpu, VkFormat format) {
         shading_.emplace(format, makePipeline(gpu, {.vertex = scene_vert, .fragment = shadow_frag}, parts_[0].shading, vk::Format(format)));
 }
 
-void ShadowMap::record(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame) const {
-    const auto shading = shading_.find(target.format);
-    if (shading == shading_.end()) throw Error("the shadow map is not prepared for this format");
+void ShadowMap::drawParts(const DrawPass& pass, GpuBindings BoundPart::*bindings, int frame) const {
+    for (size_t i = 0; i < parts_.size(); ++i) {
+        const uint32_t offsets[] = {PerFrame<AperturaFrame>::offset(frame * int(parts_.size()) + int(i)),
+                                    PerFrame<AperturaShadowView>::offset(frame)};
+        pass.draw(parts_[i].*bindings, offsets, parts_[i].indexCount);
+    }
+}
+
+void ShadowMap::recordMap(vk::CommandBuffer commands, const View& view, int frame) const {
     seen_.set(frame, shadowViewOf(view.lights[0], bounds_));
-    const auto draw = [&](const DrawPass& pass, GpuBindings BoundPart::*bindings) {
-        for (size_t i = 0; i < parts_.size(); ++i) {
-            const uint32_t offsets[] = {PerFrame<AperturaFrame>::offset(frame * int(parts_.size()) + int(i)),
-                                        PerFrame<AperturaShadowView>::offset(frame)};
-            pass.draw(parts_[i].*bindings, offsets, parts_[i].indexCount);
-        }
-    };
     // All frames share the map: the barrier makes the device wait until the last frame has read it.
     map_.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eDepthAttachmentOptimal);
-    const RenderTarget map{.depth = map_.view(), .size = {kTexels, kTexels}};
-    draw({commands, map, vec3(0), **mapping_}, &BoundPart::mapping);
+    {
+        const DrawPass pass(commands, {.depth = map_.view(), .size = {kTexels, kTexels}});
+        pass.use(**mapping_);
+        drawParts(pass, &BoundPart::mapping, frame);
+    }
     map_.transition(commands, vk::ImageLayout::eDepthAttachmentOptimal, vk::ImageLayout::eShaderReadOnlyOptimal);
-    draw({commands, target, view.sky, *shading->second}, &BoundPart::shading);
+}
+
+void ShadowMap::draw(const DrawPass& pass, VkFormat format, int frame) const {
+    const auto shading = shading_.find(format);
+    if (shading == shading_.end()) throw Error("the shadow map is not prepared for this format");
+    pass.use(*shading->second);
+    drawParts(pass, &BoundPart::shading, frame);
 }
 
 }  // namespace apertura

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "apertura/runtime/asset/view.h"
-#include "apertura/runtime/render/resources.h"
+#include "apertura/runtime/render/draw.h"
 
 namespace apertura {
 
@@ -25,19 +25,22 @@ public:
 
     // Creates the pipeline for targets of this format.
     void prepare(const Gpu& gpu, VkFormat format);
-    // Draws the map of the view's one directional light, then the scene with it. Throws Error if the target's format is not
-    // prepared.
+    // Draws the map of the view's one directional light.
     //   frame  0 .. frames - 1
-    void record(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame) const;
+    void recordMap(vk::CommandBuffer commands, const View& view, int frame) const;
+    // Draws the scene with it. Throws Error unless the format, of the pass's target, is prepared.
+    void draw(const DrawPass& pass, VkFormat format, int frame) const;
 
 private:
-    Box bounds_;
-    GpuImage map_;
-    PerFrame<AperturaShadowView> seen_;
     struct BoundPart {
         GpuBindings shading, mapping;
         uint32_t indexCount;
     };
+    void drawParts(const DrawPass& pass, GpuBindings BoundPart::*bindings, int frame) const;
+
+    Box bounds_;
+    GpuImage map_;
+    PerFrame<AperturaShadowView> seen_;
     std::vector<BoundPart> parts_;
     std::optional<vk::raii::Pipeline> mapping_;
     std::map<VkFormat, vk::raii::Pipeline> shading_;

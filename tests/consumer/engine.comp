@@ -3,15 +3,20 @@
 // An engine's shader, with names of its own that the formulas of shaders/ have without their prefix.
 #include "engine_names.glsl"
 
+#include "apertura/shaders/background.glsl"
 #include "apertura/shaders/frame.glsl"
 #include "apertura/shaders/lattice.glsl"
 #include "apertura/shaders/models.glsl"
 #include "apertura/shaders/texels.glsl"
+#include "apertura/shaders/tone.glsl"
 #include "apertura/shaders/visible.glsl"
 layout(local_size_x = 1) in;
 layout(std430, binding = 0) buffer Numbers { vec4 numbers[]; };
 vec4 aperturaSoftNode(int i) { return numbers[i]; }
 #include "apertura/shaders/soft_table.glsl"
+layout(std140, binding = 1) uniform Lights { AperturaLight engineLights[APERTURA_MAX_LIGHTS]; };
+AperturaLight aperturaLightAt(int list, int i) { return engineLights[i]; }
+#include "apertura/shaders/lights.glsl"
 
 void main() {
     AperturaReceiver receiver;

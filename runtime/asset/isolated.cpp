@@ -1,4 +1,4 @@
-#include "apertura/bake/scene/isolated.h"
+#include "apertura/runtime/asset/isolated.h"
 
 #include <OpenEXR/ImfThreading.h>
 #include <fcntl.h>

@@ -1,0 +1,120 @@
+#include "tools/view_options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/color_space.hpp>
+#include <numbers>
+
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/lights.h"
+
+namespace apertura {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+std::optional<glm::vec3> colourIn(const std::string& text) {
+    const std::string digits = text.starts_with('#') ? text.substr(1) : text;
+    if (digits.size() != 6 || digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos) return std::nullopt;
+    const unsigned long value = std::stoul(digits, nullptr, 16);
+    return glm::convertSRGBToLinear(glm::dvec3(value >> 16 & 255, value >> 8 & 255, value & 255) / 255.0);
+}
+
+bool namesPicture(const std::string& text) {
+    std::string ending = text.size() > 4 ? text.substr(text.size() - 4) : "";
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    return ending == ".exr" || ending == ".hdr";
+}
+
+Camera cameraIn(const std::string& text, const Camera& fallback) {
+    if (text.empty()) return fallback;
+    const std::vector<double> n = parseNumbers(text, ',');
+    const bool near = std::all_of(n.begin(), n.end(), [](double x) { return std::abs(x) < 1e15; });
+    const bool right = near && (n.size() == 6 || (n.size() == 7 && n[6] > 0 && n[6] < 179))
+                    && glm::vec3(n[0], n[1], n[2]) != glm::vec3(n[3], n[4], n[5]);
+    if (!right) throw CLI::ValidationError("--camera: '" + text + "' is not EX,EY,EZ,TX,TY,TZ[,FOV], eye and target apart");
+    return {glm::vec3(n[0], n[1], n[2]), glm::vec3(n[3], n[4], n[5]), n.size() == 7 ? float(n[6] * kDegree) : fallback.verticalFov};
+}
+
+}  // namespace
+
+glm::vec3 sunDirection(double azimuth, double elevation) {
+    const double a = azimuth * kDegree, e = elevation * kDegree;
+    return {std::cos(e) * std::sin(a), std::sin(e), -std::cos(e) * std::cos(a)};
+}
+
+AperturaLight sunLight(double azimuth, double elevation, double radius) {
+    constexpr double kIrradiance = 2.4;  // W/m2
+    const double sine = std::sin(radius * kDegree);
+    return directionalLight(sunDirection(azimuth, elevation), radius * kDegree,
+                            glm::vec3(kIrradiance / (std::numbers::pi * sine * sine) * glm::dvec3(1, 0.93, 0.82)));
+}
+
+Picture shown(Picture picture, double exposure, bool toned) {
+    const auto factor = float(std::exp2(exposure));
+    for (glm::vec3& p : picture.pixels) p = toned ? aperturaNeutralTone(factor * p) : factor * p;
+    return picture;
+}
+
+void ViewOptions::addTo(CLI::App& command) {
+    command.add_option("--sun-azimuth", azimuth, "degrees from north (-Z) by east (+X) [135]")
+        ->check(finiteRange(-360.0, 360.0))
+        ->type_name("D");
+    command.add_option("--sun-elevation", elevation, "degrees above the horizon [40]")->check(finiteRange(-90.0, 90.0))->type_name("D");
+    command.add_option("--sun-radius", radius, "degrees [0.27]")->check(finiteRange(0.01, 45.0))->type_name("D");
+    command.add_flag("--no-sun", noSun, "only other lights and the sky");
+    command
+        .add_option("--sky", sky,
+                    "the sky: one colour, sRGB, or an equirectangular picture, .exr or .hdr in W/m2/sr, whose middle is north [5d7cac]")
+        ->type_name("RRGGBB|FILE");
+    command
+        .add_option("--lights", lights,
+                    "at most 16 more lights: a JSON list of {\"towards\": [x,y,z], \"radius\": degrees} or {\"at\": [x,y,z], \"radius\": "
+                    "metres}, with \"radiance\": [r,g,b] in W/m2/sr")
+        ->type_name("FILE.json");
+    command
+        .add_option("--punctual-radius", punctualRadius,
+                    "use the lights of the glTF file (KHR_lights_punctual), lamps as spheres of this many metres; 683 lm are 1 W")
+        ->check(finiteRange(1e-6, 1e9))
+        ->type_name("M");
+    command.add_option("--exposure", exposure, "stops that the picture is brightened by [0]")
+        ->check(finiteRange(-64.0, 64.0))
+        ->type_name("EV");
+    command.add_option("--tone", tone, "how radiances above 1 are shown: cut off, or by the Khronos neutral curve [clamp]")
+        ->check(CLI::IsMember({"clamp", "neutral"}))
+        ->type_name("clamp|neutral");
+    command
+        .add_option_function<std::string>(
+            "--size", [this](const std::string& text) { parsePair(text, width, height); }, "pixels [960x540]")
+        ->type_name("WxH");
+    command.add_option("--camera", camera, "eye, target and vertical field of view in degrees [the file's own, or all of it]")
+        ->type_name("EX,EY,EZ,TX,TY,TZ[,FOV]");
+}
+
+void ViewOptions::check() const {
+    if (int(width) != width || int(height) != height || std::max(width, height) > 8192)
+        throw CLI::ValidationError("--size: whole numbers of pixels, at most 8192");
+    if (!sky.empty() && !colourIn(sky) && !namesPicture(sky))
+        throw CLI::ValidationError("--sky: '" + sky + "' is neither a colour RRGGBB nor a picture .exr or .hdr");
+    if (!lights.empty() && punctualRadius > 0) throw CLI::ValidationError("--lights and --punctual-radius: one of them");
+    cameraIn(camera, {});
+}
+
+View ViewOptions::viewOf(const Scene& scene, std::vector<std::string>& notes) const {
+    View view;
+    view.width = int(width);
+    view.height = int(height);
+    view.camera = cameraIn(camera, apertura::viewOf(scene));
+    if (const std::optional<glm::vec3> colour = colourIn(sky))
+        view.sky = *colour;
+    else if (!sky.empty())
+        view.sky = readSky(sky);
+    if (!noSun) view.lights.push_back(sunLight(azimuth, elevation, radius));
+    std::vector<AperturaLight> more;
+    if (!lights.empty()) more = readLights(lights);
+    if (punctualRadius > 0) more = punctualLights(scene, punctualRadius, radius * kDegree, notes);
+    view.lights.insert(view.lights.end(), more.begin(), more.end());
+    return view;
+}
+
+}  // namespace apertura
