@@ -25,6 +25,9 @@ static_assert(offsetof(AperturaFrame, counts) == 304 && offsetof(AperturaFrame, 
 static_assert(sizeof(AperturaSceneVertex) == 32);
 static_assert(offsetof(AperturaSceneVertex, position) == 0 && offsetof(AperturaSceneVertex, normal) == 16);
 
+static_assert(sizeof(AperturaVertexPaint) == 32 && offsetof(AperturaVertexPaint, colour) == 16);
+static_assert(sizeof(AperturaMaterial) == 32 && offsetof(AperturaMaterial, emissive) == 16);
+
 static_assert(sizeof(AperturaEvaluation) == 48 + 16 * APERTURA_MAX_SLOTS);
 static_assert(offsetof(AperturaEvaluation, normal) == 0 && offsetof(AperturaEvaluation, light) == 16
               && offsetof(AperturaEvaluation, visibility) == 32 && offsetof(AperturaEvaluation, params) == 48);

@@ -29,7 +29,7 @@ struct AperturaFrame {
     vec4 eye;         // xyz: world, metres; w: 1 if the sky has a picture
     vec4 rays[3];     // xyz: a pixel looks along rays[0] + x rays[1] + y rays[2], x and y being -1..1 to the right and down
     vec4 brightest;   // rgb: the largest radiance of any light
-    vec4 albedo;      // rgb, 0..1
+    vec4 albedo;      // rgb, 0..1, of surfaces without materials; w: 1, and of all others too
     // x: number of lights, 0..APERTURA_MAX_LIGHTS; y: where the frame's lit vertices begin, in floats; z: floats of each; w: where the
     // faces begin in the indices, 0: there are none
     ivec4 counts;
@@ -39,6 +39,17 @@ struct AperturaFrame {
 struct AperturaSceneVertex {
     vec4 position;  // xyz: world, metres; w: the texture coordinate u
     vec4 normal;    // xyz: unit; w: v
+};
+
+// Where a vertex lies in the textures of its material, and its own colour.
+struct AperturaVertexPaint {
+    vec4 places;  // xy: in that of the base colour, zw: of the emission
+    vec4 colour;  // linear, with alpha
+};
+
+struct AperturaMaterial {
+    vec4 baseColour;  // linear, with alpha
+    vec4 emissive;    // rgb: linear radiance, W/m2/sr; w: the alpha below which a mask has holes
 };
 
 // The cap that a light fills as seen from `position`, metres. A lightClass other than APERTURA_LIGHTS_ANY has no spheres.

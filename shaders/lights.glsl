@@ -78,11 +78,12 @@ APERTURA_FN AperturaIrradiance aperturaWithLight(AperturaIrradiance sum, Apertur
     return sum;
 }
 
-// rgb, W/m2. The sky gives what the lights leave of it, and lights no more than the whole opening with the largest radiance of any.
-//   radiance   of the sky: aperturaSkyThrough
-//   brightest  the largest radiance of the lights, rgb
-APERTURA_FN vec3 aperturaSumOf(AperturaIrradiance sum, vec3 radiance, vec3 brightest) {
-    return min(sum.lights, sum.sky * brightest) + max(sum.sky * radiance - sum.hidden, vec3(0.0f));
+// What the sky gives, less what lights hide of it. `fromSky`: all that it gives, rgb, W/m2: aperturaSkyIrradiance times aperturaSkyThrough.
+APERTURA_FN vec3 aperturaSkyBeside(AperturaIrradiance sum, vec3 fromSky) { return max(fromSky - sum.hidden, vec3(0.0f)); }
+
+// rgb, W/m2, of several lights and the sky. Lights give no more than the whole opening with the largest radiance of any, `brightest`.
+APERTURA_FN vec3 aperturaSumOf(AperturaIrradiance sum, vec3 fromSky, vec3 brightest) {
+    return min(sum.lights, sum.sky * brightest) + aperturaSkyBeside(sum, fromSky);
 }
 
 #endif

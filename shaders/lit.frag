@@ -4,6 +4,8 @@
 #include "scene.glsl"
 AperturaLight aperturaLightAt(int frameOfAll, int i) { return frame.lights[i]; }
 #include "lights.glsl"
+#define APERTURA_PAINT_CONSTANT 3
+#include "paint.glsl"
 
 layout(constant_id = 0) const int model = APERTURA_MODEL_SOFT;
 layout(constant_id = 1) const int more = APERTURA_MAX_LIGHTS / 4;
@@ -26,6 +28,7 @@ void addLight(vec3 normal, AperturaLight light, float fraction) {
 }
 
 void main() {
+    vec4 base = baseColour();
     AperturaReceiver receiver;
     receiver.normal = normalize(worldNormal);
     receiver.visibility = vec4(seen.xyz, 0.0);
@@ -34,5 +37,5 @@ void main() {
         for (int k = 0; k < 4; ++k)
             if (4 * i + k + 1 < frame.counts.x) addLight(receiver.normal, frame.lights[4 * i + k + 1], visible[i][k]);
     irradiance.sky = aperturaSkyNeedsMore(model) ? seen.x : aperturaSkyIrradiance(model, receiver);
-    colour = vec4(frame.albedo.rgb / APERTURA_PI * aperturaSumOf(irradiance, radiance, frame.brightest.rgb), 1.0);
+    colour = painting(base, aperturaSumOf(irradiance, irradiance.sky * radiance, frame.brightest.rgb));
 }

@@ -5,6 +5,9 @@
 #include "models.glsl"
 AperturaLight aperturaLightAt(int frameOfAll, int i) { return frame.lights[i]; }
 #include "lights.glsl"
+#define APERTURA_PAINT_CONSTANT 3
+#define APERTURA_VERTEX_STAGE
+#include "paint.glsl"
 
 layout(constant_id = 0) const int model = APERTURA_MODEL_SOFT;
 layout(std430, set = 0, binding = 5) readonly buffer Seen { vec4 visibility[]; };  // D, A, sr, of each vertex
@@ -13,7 +16,7 @@ layout(constant_id = 1) const int more = APERTURA_MAX_LIGHTS / 4;  // vec4s of l
 
 layout(location = 0) out vec3 worldPosition;
 layout(location = 1) out vec3 worldNormal;
-layout(location = 2) out vec4 seen;  // D, or x: the sky's E, for models whose sky needs more; w: the first light's fraction
+layout(location = 2) out vec4 seen;      // D, or x: the sky's E, for models whose sky needs more; w: the first light's fraction
 layout(location = 3) out vec3 radiance;  // of the sky through the opening
 layout(location = 4) out vec4 visible[APERTURA_MAX_LIGHTS / 4];  // the other lights' fractions
 
@@ -26,5 +29,6 @@ void main() {
     radiance = aperturaSkyThrough(model, v.normal.xyz, visibility[gl_VertexIndex], frame.sky);
     for (int i = 0; i < more; ++i)
         for (int k = 0; k < 4; ++k) visible[i][k] = litVertices[at + uint(4 * i + k + 2)];
+    paintVertex(gl_VertexIndex);
     gl_Position = frame.toClip * vec4(v.position.xyz, 1.0);
 }

@@ -160,6 +160,9 @@ APERTURA_FN AperturaFloat aperturaIrradianceThrough(int model, AperturaReceiver 
     return e;
 }
 
+// True where a model of one soft aperture takes a light for a point: it then needs offset + dot(slope, axis) of it alone.
+APERTURA_FN bool aperturaIsPointFor(int model, int lightClass) { return model == APERTURA_MODEL_SOFT && lightClass == APERTURA_LIGHTS_SUN; }
+
 // True for models whose sky is not made from D alone.
 APERTURA_FN bool aperturaSkyNeedsMore(int model) {
     switch (model) {

@@ -5,6 +5,8 @@
 #include "vertex_params.glsl"
 AperturaLight aperturaLightAt(int frameOfAll, int i) { return frame.lights[i]; }
 #include "lights.glsl"
+#define APERTURA_PAINT_CONSTANT 5
+#include "paint.glsl"
 
 layout(std430, set = 0, binding = 6) readonly buffer SoftTable { vec4 softNodes[]; };
 vec4 aperturaSoftNode(int i) { return softNodes[i]; }
@@ -13,14 +15,21 @@ vec4 aperturaSoftNode(int i) { return softNodes[i]; }
 // One pipeline per model and class of lights. This text is compiled several times, so that each calls aperturaIrradianceThrough in one
 // place: drivers copy it, with every model, to each.
 //   APERTURA_CORNERS    0: the parameters are interpolated; 3: the light at the three corners is, because the lobes of neighbouring
-//                       samples need not correspond, and so at four texels; 1: one corner, to count what it costs
+//                       samples need not correspond, and so at four texels; 1: one corner, to count what it costs; 4: the vertex shader
+//                       has read the parameters (scene.vert), and they are interpolated on the way
 //   APERTURA_ONE_LIGHT  1: for frames of just one light; 0: of any number
 layout(location = 0) in vec3 worldPosition;
 layout(location = 1) in vec3 worldNormal;
+#if APERTURA_CORNERS == 4
+layout(location = 2) in vec4 seenHere;
+layout(location = 3) in vec4 slot;
+layout(location = 4) in vec4 skyHere;
+#else
 layout(location = 2) in vec2 place;
 layout(location = 3) flat in float pitch;
 layout(location = 4) flat in uvec3 firstCell;
 layout(location = 5) flat in vec3 facing;
+#endif
 
 layout(constant_id = 3) const bool onFaces = false;   // some faces have samples of their own
 layout(constant_id = 4) const bool onTexels = false;  // some meshes have images
@@ -46,10 +55,13 @@ void addReceiver(AperturaReceiver receiver, float share) {
 #else
     for (int i = 0; i < frame.counts.x; ++i) addLight(receiver, share, i);
 #endif
+#if APERTURA_CORNERS != 4
     irradiance.sky += share * aperturaSkyIrradiance(model, receiver);
     visibility += share * receiver.visibility;
+#endif
 }
 
+#if APERTURA_CORNERS != 4
 // The four texels of one of a footprint's places in one of its two mips, and their shares.
 vec4 texelShares(AperturaTexelFootprint footprint, int cell, out uvec4 texels) {
     int width = int(firstCell.y), height = int(firstCell.z);
@@ -63,8 +75,7 @@ vec4 texelShares(AperturaTexelFootprint footprint, int cell, out uvec4 texels) {
     return (upper == 1 ? part : 1.0 - part) / float(footprint.taps) * found.weights;
 }
 
-void main() {
-    vec3 normal = normalize(worldNormal);
+void addAround(vec3 normal) {
     // The three samples about the pixel, or four texels.
     uvec4 around = uvec4(firstCell, 0);
     vec4 shares = vec4(1.0 - place.x - place.y, place, 0.0);
@@ -114,6 +125,29 @@ void main() {
     addReceiver(aperturaRenormalised(model, receiver), 1.0);
 #endif
 #endif
-    vec3 radiance = aperturaSkyThrough(model, normal, visibility, frame.sky);
-    colour = vec4(frame.albedo.rgb / APERTURA_PI * aperturaSumOf(irradiance, radiance, frame.brightest.rgb), 1.0);
+}
+#endif
+
+void main() {
+    vec4 base = baseColour();
+    vec3 normal = normalize(worldNormal);
+#if APERTURA_CORNERS == 4
+    AperturaReceiver receiver;
+    receiver.normal = normal;
+    receiver.visibility = seenHere;
+    for (int k = 0; k < APERTURA_MAX_SLOTS; ++k) receiver.params[k] = k == 0 ? slot : vec4(0.0);
+    if (APERTURA_ONE_LIGHT == 1 && aperturaIsPointFor(model, lightClass)) receiver.params[0].xyz = vec3(0.0);  // see scene.vert
+    addReceiver(aperturaRenormalised(model, receiver), 1.0);
+    irradiance.sky = skyHere.w;
+    vec3 fromSky = skyHere.rgb;
+#else
+    addAround(normal);
+    vec3 fromSky = irradiance.sky * aperturaSkyThrough(model, normal, visibility, frame.sky);
+#endif
+#if APERTURA_ONE_LIGHT
+    vec3 sum = irradiance.lights + aperturaSkyBeside(irradiance, fromSky);
+#else
+    vec3 sum = aperturaSumOf(irradiance, fromSky, frame.brightest.rgb);
+#endif
+    colour = painting(base, sum);
 }

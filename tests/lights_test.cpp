@@ -174,7 +174,7 @@ TEST(Lights, OfTwoLampsTheFartherIsHiddenFromEachSide) {
 TEST(Lights, TogetherGiveNoMoreThanTheWholeOpeningWithTheBrightest) {
     const AperturaIrradiance sum{vec3(10, 1, 0), vec3(0), 2};
     EXPECT_EQ(aperturaSumOf(sum, vec3(0), vec3(3)), vec3(6, 1, 0));
-    EXPECT_EQ(aperturaSumOf({vec3(1), vec3(5), 2}, vec3(1), vec3(3)), vec3(1)) << "lights that hide more than all of the sky";
+    EXPECT_EQ(aperturaSumOf({vec3(1), vec3(5), 2}, vec3(2), vec3(3)), vec3(1)) << "lights that hide more than all of the sky";
 }
 
 // The mean radiance that leaves a floor, by the device: under the lights of a view.

@@ -3,6 +3,7 @@
 #include "apertura/bake/measure/reference.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/materials.h"
 #include "apertura/runtime/render/renderer.h"
 #include "tools/terminal.h"
 #include "tools/view_options.h"
@@ -32,6 +33,7 @@ void run(const Arguments& a) {
     refuseToReplaceInput(a.file, a.out);
     requireWritable(a.out);
     Scene scene = loadScene(a.file, a.map);
+    if (!a.view.plain) loadTextures(scene, TexturesFor::Pictures);
     std::vector<std::string> notes = scene.notes, viewNotes;
     const View view = a.view.viewOf(scene, viewNotes);
     if (a.model == "shadow-map" && (view.lights.size() != 1 || a.view.noSun))

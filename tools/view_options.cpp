@@ -77,6 +77,7 @@ void ViewOptions::addTo(CLI::App& command) {
                     "use the lights of the glTF file (KHR_lights_punctual), lamps as spheres of this many metres; 683 lm are 1 W")
         ->check(finiteRange(1e-6, 1e9))
         ->type_name("M");
+    command.add_flag("--plain", plain, "all surfaces grey, as those of files without materials");
     command.add_option("--exposure", exposure, "stops that the picture is brightened by [0]")
         ->check(finiteRange(-64.0, 64.0))
         ->type_name("EV");
@@ -109,6 +110,7 @@ View ViewOptions::viewOf(const Scene& scene, std::vector<std::string>& notes) co
         view.sky = *colour;
     else if (!sky.empty())
         view.sky = readSky(sky);
+    view.plain = plain;
     if (!noSun) view.lights.push_back(sunLight(azimuth, elevation, radius));
     std::vector<AperturaLight> more;
     if (!lights.empty()) more = readLights(lights);

@@ -11,7 +11,7 @@ namespace apertura {
 struct ViewOptions {
     std::string camera, sky, lights, tone;
     double azimuth = 135, elevation = 40, radius = 0.27;  // degrees, of the sun
-    bool noSun = false;
+    bool noSun = false, plain = false;
     double punctualRadius = 0;  // metres; 0: the file's own lights are not used
     double exposure = 0;        // stops
     double width = 960, height = 540;

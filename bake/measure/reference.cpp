@@ -9,18 +9,22 @@
 
 #include "apertura/bake/sampling/directions.h"
 #include "apertura/bake/sampling/vertices.h"
+#include "apertura/runtime/asset/materials.h"
 
 namespace apertura {
 namespace {
 
 using std::numbers::pi;
 
+constexpr int kMostLayers = 32;
+
 class Shader {
 public:
     Shader(const Tracer& tracer, const View& view, const ReferenceOptions& options)
         : tracer_(tracer), view_(view), options_(options), sky_(fibonacciHemisphere(options.skyRays)) {}
 
-    glm::vec3 radiance(const glm::vec3& eye, const glm::vec3& direction, uint64_t sample) {
+    // `layers`: how many transparent surfaces the ray may still pass.
+    glm::vec3 radiance(const glm::dvec3& eye, const glm::vec3& direction, uint64_t sample, int layers = kMostLayers) {
         const std::optional<Hit> hit = tracer_.nearest(eye, direction);
         if (const std::optional<glm::vec3> light = lightAlong(eye, direction, hit ? hit->distance : kNoLimit)) return *light;
         if (!hit) return view_.sky.towards(glm::normalize(direction));
@@ -30,21 +34,39 @@ public:
         glm::vec3 irradiance(0);
         for (size_t i = 0; i < caps_.size(); ++i) irradiance += fromLight(i, origin, hit->at.position, hit->at.normal, sample);
         irradiance += fromSky(origin, hit->at.normal, sample);
-        return view_.albedo / float(pi) * irradiance;
+        const Scene& scene = tracer_.scene();
+        const bool plain = view_.plain || scene.materials.empty();
+        const Surface& surface = scene.surfaces[size_t(scene.instances[size_t(hit->instance)].surface)];
+        const auto triangle = size_t(hit->triangle);
+        const float spread = spreadAt(*hit, direction);
+        const glm::vec4 base = scene.materials.empty() ? glm::vec4(1) : baseColourAt(scene, surface, triangle, hit->barycentrics, spread);
+        glm::vec3 out = (plain ? view_.albedo : glm::vec3(base)) / float(pi) * irradiance;
+        if (!plain) out += emissionAt(scene, surface, triangle, hit->barycentrics, spread);
+        if (base.a >= 1 || layers == 0) return out;
+        const glm::dvec3 behind = hit->at.position + 4 * tracer_.offset(hit->at.position) * glm::dvec3(glm::normalize(direction));
+        return base.a * out + (1 - base.a) * radiance(behind, direction, sample, layers - 1);
     }
 
 private:
+    // Metres, in the surface's own frame, that a sample of the picture covers at a hit.
+    float spreadAt(const Hit& hit, const glm::vec3& direction) const {
+        const double angle = 2 * std::tan(double(view_.camera.verticalFov) / 2) / (2 * view_.height);
+        const glm::mat3 toWorld(tracer_.scene().instances[size_t(hit.instance)].toWorld);
+        const double scale = std::cbrt(std::abs(double(glm::determinant(toWorld))));
+        return float(double(hit.distance) * double(glm::length(direction)) * angle / std::max(scale, 1e-30));
+    }
+
     bool isIn(size_t light, const glm::vec3& direction) const { return glm::dot(direction, caps_[light].axis) >= 1 - caps_[light].height; }
 
     // The light that is seen along a ray, nearer than `distance` lengths of it.
-    std::optional<glm::vec3> lightAlong(const glm::vec3& eye, const glm::vec3& direction, float distance) const {
+    std::optional<glm::vec3> lightAlong(const glm::dvec3& eye, const glm::vec3& direction, float distance) const {
         const float length = glm::length(direction);
         const glm::vec3 ray = direction / length;
         float nearest = distance * length;
         std::optional<glm::vec3> out;
         for (const AperturaLight& light : view_.lights) {
             if (aperturaIsSphere(light)) {
-                const float along = aperturaDistanceToLamp(light.sphere, eye, ray);
+                const float along = aperturaDistanceToLamp(light.sphere, vec3(eye), ray);
                 if (along > 0 && along < nearest) nearest = along, out = vec3(light.radiance);
             } else if (distance == kNoLimit && !out && aperturaIsWithin(light.cap, ray)) {
                 out = vec3(light.radiance);

@@ -9,18 +9,61 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
+#include <deque>
 #include <limits>
 #include <map>
 #include <vector>
 
 #include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/materials.h"
 
 namespace apertura {
 namespace {
 
-// Attaches the surface's triangles as geometry `id`, each vertex placed by `place`.
+// What the filters of a surface's hits know: Embree calls them for each triangle that a ray meets.
+struct Coloured {
+    const Scene* scene;
+    const Surface* surface;
+};
+
+// Calls passes(alpha, ray) for each hit and lets the ray go on where that is true.
+template <typename Passes>
+void filter(const RTCFilterFunctionNArguments* hits, const Passes& passes) {
+    const auto& of = *static_cast<const Coloured*>(hits->geometryUserPtr);
+    for (unsigned i = 0; i < hits->N; ++i) {
+        if (hits->valid[i] == 0) continue;
+        const float u = RTCHitN_u(hits->hit, hits->N, i), v = RTCHitN_v(hits->hit, hits->N, i);
+        const unsigned triangle = RTCHitN_primID(hits->hit, hits->N, i);
+        if (passes(baseColourAt(*of.scene, *of.surface, triangle, {1 - u - v, u, v}).a, triangle, i)) hits->valid[i] = 0;
+    }
+}
+
+// A number of 0..1 that a ray and a triangle give.
+float hashOf(const RTCFilterFunctionNArguments* hits, unsigned i, unsigned triangle) {
+    uint64_t hash = triangle + 1;
+    for (const float x :
+         {RTCRayN_dir_x(hits->ray, hits->N, i), RTCRayN_dir_y(hits->ray, hits->N, i), RTCRayN_dir_z(hits->ray, hits->N, i),
+          RTCRayN_org_x(hits->ray, hits->N, i), RTCRayN_org_y(hits->ray, hits->N, i), RTCRayN_org_z(hits->ray, hits->N, i)}) {
+        uint32_t bits = 0;
+        std::memcpy(&bits, &x, sizeof bits);
+        hash = (hash ^ bits) * 0x9E3779B97F4A7C15ull;
+        hash ^= hash >> 29;
+    }
+    return float(hash >> 40) * 0x1p-24f;
+}
+
+void letThrough(const RTCFilterFunctionNArguments* hits) {
+    filter(hits, [&](float alpha, unsigned triangle, unsigned i) { return alpha < 1 && hashOf(hits, i, triangle) >= alpha; });
+}
+
+void skipHoles(const RTCFilterFunctionNArguments* hits) {
+    filter(hits, [](float alpha, unsigned, unsigned) { return alpha == 0; });
+}
+
+// Attaches the surface's triangles as geometry `id`, each vertex placed by `place`. `coloured`: where rays may pass it, else null.
 template <typename Place>
-void attach(RTCDevice device, RTCScene to, unsigned id, const Surface& surface, Place&& place) {
+void attach(RTCDevice device, RTCScene to, unsigned id, const Surface& surface, const Coloured* coloured, Place&& place) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), surface.positions.size()));
@@ -35,6 +78,11 @@ void attach(RTCDevice device, RTCScene to, unsigned id, const Surface& surface, 
         for (int c = 0; c < 3; ++c) *vertices++ = placed[c];
     }
     for (const auto& triangle : surface.triangles) indices = std::copy(triangle.begin(), triangle.end(), indices);
+    if (coloured) {
+        rtcSetGeometryUserData(geometry, const_cast<Coloured*>(coloured));
+        rtcSetGeometryOccludedFilterFunction(geometry, letThrough);
+        rtcSetGeometryIntersectFilterFunction(geometry, skipHoles);
+    }
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(to, geometry, id);
     rtcReleaseGeometry(geometry);
@@ -61,6 +109,7 @@ struct Tracer::Impl {
     RTCDevice device = nullptr;
     RTCScene top = nullptr;
     std::vector<RTCScene> parts;
+    std::deque<Coloured> coloured;
     // The rays see a point p of the world at (p - centre) * scale, within -1..1.
     glm::dvec3 centre{0};
     double scale = 1, reach = 1;
@@ -71,6 +120,10 @@ struct Tracer::Impl {
         for (RTCScene part : parts) rtcReleaseScene(part);
         if (top) rtcReleaseScene(top);
         if (device) rtcReleaseDevice(device);
+    }
+    const Coloured* colouredOf(const Surface& surface) {
+        if (materialOf(*scene, surface).alpha == Material::Alpha::Opaque) return nullptr;
+        return &coloured.emplace_back(Coloured{scene, &surface});
     }
     RTCScene newScene() const {
         RTCScene scene = rtcNewScene(device);
@@ -120,7 +173,8 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
         const Surface& surface = scene.surfaces[instance.surface];
         if (surface.triangles.empty()) continue;
         const auto attachPlaced = [&] {
-            attach(impl.device, impl.top, i, surface, [&](const glm::vec3& p) { return impl.toRays(worldPosition(instance, p)); });
+            attach(impl.device, impl.top, i, surface, impl.colouredOf(surface),
+                   [&](const glm::vec3& p) { return impl.toRays(worldPosition(instance, p)); });
         };
         if (uses[instance.surface] == 1) {
             attachPlaced();
@@ -142,7 +196,7 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
         if (!shared.scene) {
             shared.scene = impl.newScene();
             impl.parts.push_back(shared.scene);
-            attach(impl.device, shared.scene, 0, surface,
+            attach(impl.device, shared.scene, 0, surface, impl.colouredOf(surface),
                    [&](const glm::vec3& p) { return glm::vec3((glm::dvec3(p) - glm::dvec3(shared.middle)) * shared.scale); });
             impl.commit(shared.scene, progress);
         }
@@ -160,6 +214,8 @@ Tracer::Tracer(const Scene& scene, const Progress& progress) : impl_(std::make_u
 
 Tracer::~Tracer() = default;
 Tracer::Tracer(Tracer&&) noexcept = default;
+
+const Scene& Tracer::scene() const { return *impl_->scene; }
 
 double Tracer::offset(const glm::dvec3& position, double longest) const {
     const glm::dvec3 from = glm::abs(position - impl_->centre);
@@ -236,7 +292,7 @@ std::optional<Hit> Tracer::nearest(const glm::dvec3& world, const glm::vec3& dir
     const int instance = int(instanced ? query.hit.instID[0] : query.hit.geomID), triangle = int(query.hit.primID);
     const float u = query.hit.u, v = query.hit.v;
     const SurfaceAt at = surfaceAt(*impl_->scene, instance, triangle, {1 - u - v, u, v});
-    return Hit{at, float(double(query.ray.tfar) / impl_->scale), glm::dot(at.face, direction) > 0, instance, triangle};
+    return Hit{at, float(double(query.ray.tfar) / impl_->scale), glm::dot(at.face, direction) > 0, instance, triangle, {1 - u - v, u, v}};
 }
 
 }  // namespace apertura

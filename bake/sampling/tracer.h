@@ -15,8 +15,12 @@ struct Hit {
     float distance;  // in lengths of the ray's direction
     bool back;       // the ray came from behind: the side that the vertex normals point away from
     int instance, triangle;
+    glm::vec3 barycentrics;
 };
 
+// What a material lets through does not block: where a mask has holes, and, of a surface that blends, as large a part of all rays as is
+// transparent, chosen by a hash of the ray. `nearest` finds surfaces that blend as they are.
+//
 // Traces rays about the scene's middle and in units of its size, so that the results are the same to the last bit
 // wherever the scene lies and, for powers of two, however large it is.
 class Tracer {
@@ -26,6 +30,7 @@ public:
     explicit Tracer(const Scene& scene, const Progress& progress = {});
     ~Tracer();
     Tracer(Tracer&&) noexcept;
+    const Scene& scene() const;
 
     // Finds whether rays hit anything: blocked[i] becomes 1 or 0. Safe from any number of threads.
     //   origin      world, metres

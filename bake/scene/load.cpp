@@ -8,6 +8,7 @@
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/gltf.h"
+#include "apertura/runtime/asset/materials.h"
 
 namespace apertura {
 namespace {
@@ -32,7 +33,11 @@ Scene loadScene(const std::string& name, const HeightMapOptions& options, Coordi
     requireOrdinaryFile(name);
     const std::string ending = endingOf(name);
     static const std::set<std::string> meshes{".obj", ".ply", ".stl"};
-    if (ending == ".glb" || ending == ".gltf") return readGltf(name);
+    if (ending == ".glb" || ending == ".gltf") {
+        Scene scene = readGltf(name);
+        loadTextures(scene, TexturesFor::Rays);
+        return scene;
+    }
     if (meshes.contains(ending)) return loadMeshFile(name, coordinates);
     if (isHeightMap(name)) return loadHeightMap(name, options, coordinates);
     throw Error(name + ": unknown kind of file; scenes are .glb .gltf .obj .ply .stl, height maps .png .tif .exr, or "

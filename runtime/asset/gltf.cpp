@@ -8,6 +8,7 @@
 
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/gltf_document.h"
+#include "apertura/runtime/asset/gltf_materials.h"
 
 namespace apertura {
 namespace {
@@ -78,13 +79,16 @@ void readNormals(const GltfDocument& document, size_t accessor, Surface& surface
 }
 
 // The primitive as a Surface, without triangles if it draws points or lines.
-Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
+Surface readPrimitive(const Scene& scene, const Json& primitive) {
+    const GltfDocument& document = *scene.document;
     Surface surface;
     const size_t mode = unsignedOr(primitive, "mode", kTriangles);
     const Json& attributes = primitive["attributes"];
     if (mode < kTriangles || !attributes.contains("POSITION")) return surface;
-    if (primitive.contains("material"))
-        surface.twoSided = document.json["materials"][primitive["material"].get<size_t>()].value("doubleSided", false);
+    if (primitive.contains("material")) {
+        surface.material = int(primitive["material"].get<size_t>());
+        surface.twoSided = document.json["materials"][size_t(surface.material)].value("doubleSided", false);
+    }
     surface.positions = readVectors(document, attributes["POSITION"].get<size_t>());
     auto checkCounts = [&](const Json& each) {
         for (const auto& attribute : each.items())
@@ -109,6 +113,7 @@ Surface readPrimitive(const GltfDocument& document, const Json& primitive) {
         surface.coordinateSet = set;
         break;
     }
+    surface.paint = readPaint(scene, primitive, surface.positions.size());
     for (const auto& triangle : surface.triangles)
         for (uint32_t index : triangle)
             if (index >= surface.positions.size())
@@ -157,7 +162,7 @@ private:
             first_[mesh] = int(scene_.surfaces.size());
             for (const Json& primitive : primitives) {
                 elements_.spend(elementsOf(primitive));
-                scene_.surfaces.push_back(readPrimitive(document_, primitive));
+                scene_.surfaces.push_back(readPrimitive(scene_, primitive));
                 surfaceBytes_ += memoryOf(scene_.surfaces.back());
                 requireMemory(scene_.name, "its meshes", surfaceBytes_);
             }
@@ -218,6 +223,7 @@ Scene readScene(GltfDocument&& given) {
     scene.document = std::make_shared<GltfDocument>(std::move(given));
     const GltfDocument& document = *scene.document;
     scene.notes = document.notes;
+    readMaterials(scene);
     Walker walker(scene, document);
     const Json& scenes = listOf(document.json, "scenes");
     if (!scenes.empty()) {

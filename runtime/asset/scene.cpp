@@ -163,6 +163,8 @@ void makeFlat(Surface& surface) {
     const std::vector<glm::vec3> given = std::move(surface.positions);
     const std::vector<glm::vec2> coordinates = std::move(surface.coordinates);
     surface.coordinates.clear();
+    const std::vector<VertexPaint> paint = std::move(surface.paint);
+    surface.paint.clear();
     std::vector<uint32_t> any(given.size(), UINT32_MAX);
     surface.positions.clear();
     surface.normals.clear();
@@ -174,6 +176,7 @@ void makeFlat(Surface& surface) {
         if (fresh) {
             surface.positions.push_back(given[from]);
             if (!coordinates.empty()) surface.coordinates.push_back(coordinates[from]);
+            if (!paint.empty()) surface.paint.push_back(paint[from]);
             surface.normals.emplace_back(normal);
             surface.splitFrom.push_back(from);
         }
@@ -196,7 +199,7 @@ void makeFlat(Surface& surface) {
 
 double memoryOf(const Surface& surface) {
     return double(surface.positions.size()) * sizeof(glm::vec3) * 2 + double(surface.coordinates.size()) * sizeof(glm::vec2)
-         + double(surface.triangles.size()) * sizeof(surface.triangles[0]);
+         + double(surface.paint.size()) * sizeof(VertexPaint) + double(surface.triangles.size()) * sizeof(surface.triangles[0]);
 }
 
 void requireMemory(const std::string& name, const std::string& what, double bytes) {

@@ -11,6 +11,22 @@
 namespace apertura {
 
 struct GltfDocument;  // runtime/asset/gltf_document.h
+struct Texture;       // runtime/asset/materials.h
+
+// How a surface looks: the part of a glTF material that has a meaning for diffuse light.
+struct Material {
+    glm::vec4 baseColour{1};                     // linear, with alpha
+    glm::vec3 emissive{0};                       // linear radiance, W/m2/sr
+    int baseTexture = -1, emissiveTexture = -1;  // of the scene's; -1: none
+    enum class Alpha { Opaque, Mask, Blend } alpha = Alpha::Opaque;
+    float cutoff = 0.5f;  // below which a mask has holes
+};
+
+// Of a vertex: where it lies in the textures of its material, and a colour that multiplies theirs. AperturaVertexPaint has the same layout.
+struct VertexPaint {
+    glm::vec2 base{0}, emissive{0};
+    glm::vec4 colour{1};  // linear, with alpha
+};
 
 // Triangles in a local frame; several instances may share one.
 struct Surface {
@@ -23,6 +39,8 @@ struct Surface {
     bool normalsMade = false;            // computed here: the file has no normals, or its compressed ones are not unit
     std::vector<uint32_t> splitFrom;     // if vertices were split: the file's vertex that each came from; else empty
     bool twoSided = false;               // its material is visible from both sides
+    int material = -1;                   // of the scene's; -1: none
+    std::vector<VertexPaint> paint;      // one per position; empty: the same everywhere
 };
 
 struct Instance {
@@ -53,11 +71,13 @@ struct Scene {
     std::string name;  // the path as given, or builtin:NAME; errors begin with it
     std::vector<Surface> surfaces;
     std::vector<Instance> instances;
-    std::vector<Camera> cameras;             // the file's own, in the order of its nodes
-    std::vector<PunctualLight> punctual;     // its lights (KHR_lights_punctual): see punctualLights
-    bool isTerrain = false;                  // made from heights over a plane: from a height map, or builtin:terrain
-    std::vector<std::string> notes;          // faults of the file that the reader works around, a line each
-    std::shared_ptr<GltfDocument> document;  // the glTF file that it came from, unchanged; else null
+    std::vector<Material> materials;                 // empty: the file has none, and everything has one colour
+    std::vector<std::shared_ptr<Texture>> textures;  // those of the file, loaded or not
+    std::vector<Camera> cameras;                     // the file's own, in the order of its nodes
+    std::vector<PunctualLight> punctual;             // its lights (KHR_lights_punctual): see punctualLights
+    bool isTerrain = false;                          // made from heights over a plane: from a height map, or builtin:terrain
+    std::vector<std::string> notes;                  // faults of the file that the reader works around, a line each
+    std::shared_ptr<GltfDocument> document;          // the glTF file that it came from, unchanged; else null
 };
 
 // The orthogonal part of a transform's 3 x 3 (polar decomposition; a reflection stays one). It takes directions from a

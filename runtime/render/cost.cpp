@@ -7,10 +7,12 @@
 #include <string_view>
 
 #include "apertura/runtime/render/draw.h"
+#include "apertura/runtime/render/materials.h"
 #include "apertura/runtime/render/scene_shaders.h"
 #include "apertura/sh/models.h"
 #include "cost.comp.h"
 #include "shadow.frag.h"
+#include "shadow0.vert.h"
 
 namespace apertura {
 namespace {
@@ -116,13 +118,12 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
     constexpr vk::ShaderStageFlags both = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
     const GpuBindings::Binding lit[] = {{uniform, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr},
                                         {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr},
-                                        {storage, both, nullptr}};
-    const GpuBindings::Binding mapped[] = {{uniform, both, nullptr},
-                                           {storage, both, nullptr},
-                                           {storage, both, nullptr},
-                                           {uniform, both, nullptr},
-                                           {vk::DescriptorType::eSampledImage, both, nullptr}};
-    const GpuBindings bindings(gpu, lit), mapBindings(gpu, mapped);
+                                        {storage, both, nullptr}, {storage, both, nullptr}};
+    const GpuBindings::Binding mapped[] = {{uniform, both, nullptr}, {storage, both, nullptr},
+                                           {storage, both, nullptr}, {uniform, both, nullptr},
+                                           {storage, both, nullptr}, {vk::DescriptorType::eSampledImage, both, nullptr}};
+    const vk::raii::DescriptorSetLayout materials = Materials::makeLayout(gpu);
+    const GpuBindings bindings(gpu, lit, *materials), mapBindings(gpu, mapped, *materials);
     constexpr auto capture = vk::PipelineCreateFlagBits::eCaptureStatisticsKHR;
     constexpr auto format = vk::Format::eR8G8B8A8Srgb;
     std::vector<CompiledCost> out;
@@ -138,22 +139,25 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
         return cost;
     };
     static_assert(APERTURA_SHADOW_TAPS == 4 * 8);
-    std::map<int, CompiledCost> plain;  // N.L by class
+    // N.L that reads its samples in the pixel, as models do whose corners are counted: by class, faces and paint.
+    std::map<std::tuple<int, bool, bool>, CompiledCost> plain;
     for (const PixelCase& c : cases) {
-        if (!plain.contains(c.lightClass)) {
-            const int32_t constants[] = {APERTURA_MODEL_UNSHADOWED, c.lightClass, 0};
-            plain[c.lightClass] = compile({scene_vert, sceneFragment(Corners::Mixed, true), constants}, bindings);
-        }
-        const CompiledCost& none = plain[c.lightClass];
+        const auto withModel = [&](const Model& model, Corners corners) {
+            const int32_t constants[] = {model.id, c.lightClass, model.slots, c.onFaces, false, c.painted, 0, true};
+            return compile({sceneVertex(corners), sceneFragment(corners, true), constants}, bindings);
+        };
+        const std::tuple key(c.lightClass, c.onFaces, c.painted);
+        if (!plain.contains(key)) plain[key] = withModel(*findModel("unshadowed"), Corners::Mixed);
         if (!c.model) {
-            out.push_back(times(compile({scene_vert, shadow_frag}, mapBindings), none, 4));
+            const int32_t constants[] = {c.painted, 0};
+            out.push_back(times(compile({shadow0_vert, shadow_frag, constants}, mapBindings), plain[key], 4));
         } else if (c.at == LightAt::Vertices) {
-            const int32_t constants[] = {c.model->id, 0, c.lightClass};
+            const int32_t constants[] = {c.model->id, 0, c.lightClass, c.painted, 0};
             out.push_back(compile({lit_vert, lit_frag, constants}, bindings));
+        } else if (c.model->mixes) {
+            out.push_back(withModel(*c.model, cornersFor(*c.model, c.onFaces)));
         } else {
-            const int32_t constants[] = {c.model->id, c.lightClass, c.model->slots, c.onFaces};
-            const Corners corners = c.model->mixes ? Corners::Mixed : Corners::One;
-            out.push_back(times(compile({scene_vert, sceneFragment(corners, true), constants}, bindings), none, c.model->mixes ? 1 : 3));
+            out.push_back(times(withModel(*c.model, Corners::One), plain[key], 3));
         }
     }
     return out;

@@ -31,6 +31,7 @@ struct PixelCase {
     int lightClass;  // APERTURA_LIGHTS_...
     LightAt at = LightAt::Pixels;
     bool onFaces = false;  // with samples on faces
+    bool painted = false;  // with textures, of a material that is opaque
 };
 std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const PixelCase> cases);
 

@@ -4,7 +4,7 @@ namespace apertura {
 
 vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, const GpuBindings& bindings, vk::Format colour,
                                 vk::PipelineCreateFlags flags) {
-    const bool shades = !shaders.fragment.empty();
+    const bool shades = !shaders.fragment.empty(), colours = shades && colour != vk::Format::eUndefined;
     const vk::raii::ShaderModule vertex = makeShader(gpu, shaders.vertex);
     const vk::raii::ShaderModule fragment = shades ? makeShader(gpu, shaders.fragment) : nullptr;
     const Constants constants(shaders.constants);
@@ -18,11 +18,16 @@ vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, cons
     const vk::PipelineMultisampleStateCreateInfo samples{.rasterizationSamples = vk::SampleCountFlagBits::e1};
     const vk::PipelineDepthStencilStateCreateInfo depth{
         .depthTestEnable = true,
-        .depthWriteEnable = true,
+        .depthWriteEnable = !shaders.blends,
         .depthCompareOp = shaders.covers == DrawShaders::Covers::Equal ? vk::CompareOp::eGreaterOrEqual : vk::CompareOp::eGreater};
     using Channel = vk::ColorComponentFlagBits;
-    const vk::PipelineColorBlendAttachmentState attachment{.colorWriteMask = Channel::eR | Channel::eG | Channel::eB | Channel::eA};
-    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = shades ? 1u : 0u, .pAttachments = &attachment};
+    const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = shaders.blends,
+                                                           .srcColorBlendFactor = vk::BlendFactor::eSrcAlpha,
+                                                           .dstColorBlendFactor = vk::BlendFactor::eOneMinusSrcAlpha,
+                                                           .srcAlphaBlendFactor = vk::BlendFactor::eZero,
+                                                           .dstAlphaBlendFactor = vk::BlendFactor::eOne,
+                                                           .colorWriteMask = Channel::eR | Channel::eG | Channel::eB | Channel::eA};
+    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = colours ? 1u : 0u, .pAttachments = &attachment};
     const vk::DynamicState changing[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor};
     const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = uint32_t(std::size(changing)), .pDynamicStates = changing};
     const vk::PipelineRenderingCreateInfo rendering{
@@ -66,13 +71,20 @@ DrawPass::DrawPass(vk::CommandBuffer commands, const RenderTarget& target) : com
 }
 
 void DrawPass::draw(const GpuBindings& bindings, std::span<const uint32_t> offsets, uint32_t vertices, const GpuBuffer* indices) const {
+    bind(bindings, offsets, indices);
+    drawRange(0, vertices, indices);
+}
+
+void DrawPass::bind(const GpuBindings& bindings, std::span<const uint32_t> offsets, const GpuBuffer* indices) const {
     bindings.bind(commands_, vk::PipelineBindPoint::eGraphics, offsets);
-    if (indices) {
-        commands_.bindIndexBuffer(indices->handle(), 0, vk::IndexType::eUint32);
-        commands_.drawIndexed(vertices, 1, 0, 0, 0);
-    } else {
-        commands_.draw(vertices, 1, 0, 0);
-    }
+    if (indices) commands_.bindIndexBuffer(indices->handle(), 0, vk::IndexType::eUint32);
+}
+
+void DrawPass::drawRange(uint32_t first, uint32_t vertices, bool indexed) const {
+    if (indexed)
+        commands_.drawIndexed(vertices, 1, first, 0, 0);
+    else
+        commands_.draw(vertices, 1, first, 0);
 }
 
 Offscreen::Offscreen(const Gpu& gpu, vk::Extent2D size, vk::Format colour)

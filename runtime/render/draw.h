@@ -9,12 +9,13 @@ namespace apertura {
 
 constexpr vk::Format kDepthFormat = vk::Format::eD32Sfloat;
 
-// Shaders of a pass, as SPIR-V words. Without a fragment shader the pass draws depth alone.
+// Shaders of a pass, as SPIR-V words. Without a fragment shader, or a format, the pass draws depth alone.
 struct DrawShaders {
     std::span<const uint32_t> vertex, fragment;
     std::span<const int32_t> constants;  // specialisation constants 0, 1, ... of both
     enum class Covers { Farther, Equal };
     Covers covers = Covers::Farther;  // what is drawn over: what lies farther, or at the same depth too
+    bool blends = false;              // with what is there, by alpha; it then leaves the depth as it is
 };
 
 // A pipeline without vertex input, for a colour image of this format. The greater depth wins.
@@ -35,6 +36,10 @@ public:
     //   bindings  with the layout of the pipeline's
     //   offsets   bytes, one per dynamic binding
     void draw(const GpuBindings& bindings, std::span<const uint32_t> offsets, uint32_t vertices, const GpuBuffer* indices = nullptr) const;
+    // The two halves of that: what is bound stays so for several draws.
+    void bind(const GpuBindings& bindings, std::span<const uint32_t> offsets, const GpuBuffer* indices) const;
+    void drawRange(uint32_t first, uint32_t vertices, bool indexed) const;
+    vk::CommandBuffer commands() const { return commands_; }
 
 private:
     vk::CommandBuffer commands_;

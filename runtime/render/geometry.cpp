@@ -92,6 +92,20 @@ std::vector<AperturaSceneVertex> verticesOf(const Asset& asset, const GeometryPa
     return out;
 }
 
+std::vector<AperturaVertexPaint> paintOf(const Asset& asset, const GeometryPart& part) {
+    if (asset.scene.materials.empty()) return {{vec4(0), vec4(1)}};
+    std::vector<AperturaVertexPaint> out;
+    out.reserve(part.vertices);
+    for (const GeometryPiece& piece : part.pieces) {
+        const std::vector<VertexPaint>& paint = surfaceOf(asset, piece).paint;
+        for (const uint32_t v : piece.vertices) {
+            const VertexPaint own = paint.empty() ? VertexPaint() : paint[v];
+            out.push_back({vec4(own.base, own.emissive), own.colour});
+        }
+    }
+    return out;
+}
+
 std::vector<uint32_t> indicesOf(const Asset& asset, const GeometryPart& part, bool onFaces, bool onTexels) {
     std::vector<uint32_t> out;
     out.reserve(part.triangles * size_t(3 + (onFaces || onTexels) + onTexels));

@@ -34,6 +34,8 @@ std::vector<GeometryPart> splitGeometry(const Asset& asset, const PartLimits& li
 
 // The buffers of a part.
 std::vector<AperturaSceneVertex> verticesOf(const Asset& asset, const GeometryPart& part);
+// Its paint, or one element where the scene has no materials.
+std::vector<AperturaVertexPaint> paintOf(const Asset& asset, const GeometryPart& part);
 // The corners of all triangles; behind them one or two numbers for each triangle that say where its samples are, where there are some
 // beside the vertices: see scene.glsl.
 std::vector<uint32_t> indicesOf(const Asset& asset, const GeometryPart& part, bool onFaces, bool onTexels);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "apertura/runtime/render/background.h"
+#include "apertura/runtime/render/batches.h"
 #include "apertura/runtime/render/draw.h"
 #include "apertura/runtime/render/geometry.h"
 #include "apertura/runtime/render/scene_shaders.h"
@@ -86,15 +87,18 @@ struct Renderer::State {
 
     struct Part {
         GeometryPart geometry;
-        GpuBuffer vertices, indices, seen;
+        std::vector<Batch> batches;
+        GpuBuffer vertices, indices, seen, paint;
         std::map<int, GpuBuffer> allParams;                   // by model
         std::map<std::pair<int, int>, ModelBuffers> buffers;  // by model and floats of a lit vertex, 0: lit at pixels
 
         Part(const Gpu& gpu, const Asset& asset, GeometryPart all, bool onFaces, bool onTexels)
             : geometry(std::move(all)),
+              batches(batchesOf(asset, geometry)),
               vertices(uploadStorage(gpu, verticesOf(asset, geometry))),
               indices(uploadStorage(gpu, indicesOf(asset, geometry, onFaces, onTexels), vk::BufferUsageFlagBits::eIndexBuffer)),
-              seen(uploadSeen(gpu, asset, geometry)) {}
+              seen(uploadSeen(gpu, asset, geometry)),
+              paint(uploadStorage(gpu, paintOf(asset, geometry))) {}
         uint32_t indexCount() const { return uint32_t(3 * geometry.triangles); }
         size_t litFloatsAFrame(int floats) const { return geometry.vertices * size_t(floats); }
     };
@@ -106,6 +110,8 @@ struct Renderer::State {
           frames(frames_),
           onFaces(hasSamplesOnFaces(asset_)),
           onTexels(hasTexels(asset_)),
+          painted(!asset_.scene.materials.empty()),
+          materials(gpu_, asset_.scene),
           // Nothing else reads it.
           softNodes(upload(gpu_, std::as_bytes(onTexels ? apertura::softNodes() : apertura::softNodes().first(1)),
                            vk::BufferUsageFlagBits::eStorageBuffer)),
@@ -114,6 +120,11 @@ struct Renderer::State {
             vertexCount += part.vertices;
             parts.emplace_back(gpu_, asset_, std::move(part), onFaces, onTexels);
         }
+        for (const auto kind : {Material::Alpha::Opaque, Material::Alpha::Mask, Material::Alpha::Blend})
+            for (const Part& part : parts)
+                if ((kinds.empty() || kinds.back() != kind)
+                    && std::any_of(part.batches.begin(), part.batches.end(), [&](const Batch& b) { return b.alpha == kind; }))
+                    kinds.push_back(kind);
         lit.emplace(gpu_, (frames_ + 1) * int(parts.size()));
         background.emplace(gpu_, *lit);
     }
@@ -123,14 +134,18 @@ struct Renderer::State {
     // What lights a part in a frame: its place in `lit`.
     int litSlot(int frame, size_t part) const { return frame * int(parts.size()) + int(part); }
     void light(int frame, const View& view, VkExtent2D size, int floats = 0) const;
-    void drawBackground(const DrawPass& pass, const RenderTarget& target, const View& view, int frame) const;
+    // `pipelineOf`: for each of `kinds`.
+    void drawScene(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame, std::span<const BoundPart> bound,
+                   const std::function<vk::Pipeline(size_t)>& pipelineOf) const;
     Picture picture(const View& view, const std::function<void(VkCommandBuffer, const RenderTarget&)>& record) const;
 
     const Gpu& gpu;
     const Asset& asset;
     Box box;
     int frames;  // of the caller; `draw` uses one more, number `frames`
-    bool onFaces, onTexels;
+    bool onFaces, onTexels, painted;
+    Materials materials;
+    std::vector<Material::Alpha> kinds;  // of its materials, the opaque ones first
     size_t vertexCount = 0;
     std::vector<Part> parts;
     GpuBuffer softNodes;
@@ -138,8 +153,9 @@ struct Renderer::State {
     std::optional<PerFrame<AperturaFrame>> lit;  // one for each frame and part
     std::optional<Background> background;
     std::optional<ShadowMap> shadow;
-    std::map<std::tuple<int, int, VkFormat, int>, vk::raii::Pipeline> pipelines;  // by model, light class, format and variantOf
-    std::map<std::pair<int, int>, vk::raii::Pipeline> vertexLights;               // by model and light class
+    // By model, light class, format and variantOf, one for each of `kinds`.
+    std::map<std::tuple<int, int, VkFormat, int>, std::vector<vk::raii::Pipeline>> pipelines;
+    std::map<std::pair<int, int>, vk::raii::Pipeline> vertexLights;  // by model and light class
 };
 
 int lightClassOf(const View& view) {
@@ -171,11 +187,12 @@ const Renderer::State::ModelBuffers& Renderer::State::buffersOf(Part& part, cons
     const GpuBindings::Binding slots[] = {lit->binding(vertex | shading),
                                           {storage, vertex | shading, &part.vertices},
                                           {storage, vertex, &part.indices},
-                                          {storage, shading, &params},
+                                          {storage, vertex | shading, &params},
                                           {storage, vertex | shading, litVertices ? &*litVertices : &noVertices},
                                           {storage, vertex | shading, &part.seen},
-                                          {storage, shading, &softNodes}};
-    GpuBindings bindings(gpu, slots);
+                                          {storage, shading, &softNodes},
+                                          {storage, vertex, &part.paint}};
+    GpuBindings bindings(gpu, slots, materials.layout());
     return part.buffers.emplace(std::pair(model.id, floats), ModelBuffers{std::move(litVertices), std::move(bindings)}).first->second;
 }
 
@@ -192,7 +209,7 @@ void Renderer::State::light(int frame, const View& view, VkExtent2D size, int fl
     out.eye = vec4(view.camera.eye, view.sky.picture() ? 1 : 0);
     const std::array<vec4, 3> rays = raysOf(view.camera, aspect);
     std::copy(rays.begin(), rays.end(), out.rays);
-    out.albedo = vec4(view.albedo, 0);
+    out.albedo = vec4(view.albedo, view.plain ? 1 : 0);
     out.counts.x = int(lights.size());
     out.counts.z = floats;
     std::copy(lights.begin(), lights.end(), out.lights);
@@ -217,17 +234,24 @@ void Renderer::prepare(const Model& model, int lightClass, VkFormat format, Ligh
     for (State::Part& part : p.parts) p.buffersOf(part, model, atVertices ? litFloats(mostLights) : 0);
     const GpuBindings& bindings = p.parts[0].buffers.at({model.id, atVertices ? litFloats(mostLights) : 0}).bindings;
     const int variant = variantOf(at, mostLights);
-    const int32_t atPixels[] = {model.id, lightClass, model.slots, p.onFaces, p.onTexels},
-                  interpolated[] = {model.id, moreThanOne(mostLights), lightClass};
-    if (const std::tuple key(model.id, lightClass, format, variant); !p.pipelines.contains(key))
-        p.pipelines.emplace(
-            key, makePipeline(p.gpu,
-                              atVertices ? DrawShaders{lit_vert, lit_frag, interpolated}
-                                         : DrawShaders{scene_vert,
-                                                       sceneFragment(model.mixes ? Corners::Mixed : Corners::Three, variant < 0), atPixels},
-                              bindings, vk::Format(format)));
-    if (const std::pair key(model.id, lightClass); atVertices && !p.vertexLights.contains(key))
-        p.vertexLights.emplace(key, makeComputePipeline(p.gpu, light_comp, atPixels, bindings));
+    const Corners corners = cornersFor(model, p.onFaces || p.onTexels);
+    const auto pipeline = [&](Material::Alpha kind) {
+        const int32_t atPixels[] = {model.id, lightClass, model.slots, p.onFaces, p.onTexels, p.painted, int(kind), variant < 0},
+                      interpolated[] = {model.id, moreThanOne(mostLights), lightClass, p.painted, int(kind)};
+        DrawShaders shaders = atVertices ? DrawShaders{lit_vert, lit_frag, interpolated}
+                                         : DrawShaders{sceneVertex(corners), sceneFragment(corners, variant < 0), atPixels};
+        shaders.blends = kind == Material::Alpha::Blend;
+        return makePipeline(p.gpu, shaders, bindings, vk::Format(format));
+    };
+    if (const std::tuple key(model.id, lightClass, format, variant); !p.pipelines.contains(key)) {
+        std::vector<vk::raii::Pipeline> made;
+        for (const Material::Alpha kind : p.kinds) made.push_back(pipeline(kind));
+        p.pipelines.emplace(key, std::move(made));
+    }
+    if (const std::pair key(model.id, lightClass); atVertices && !p.vertexLights.contains(key)) {
+        const int32_t constants[] = {model.id, lightClass, model.slots};
+        p.vertexLights.emplace(key, makeComputePipeline(p.gpu, light_comp, constants, bindings));
+    }
 }
 
 void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View& view, const Model& model, int frame, LightAt at) const {
@@ -262,17 +286,23 @@ void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View
                                          .dstAccessMask = vk::AccessFlagBits2::eShaderStorageRead};
         commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &written});
     }
-    const DrawPass pass(commands, target);
-    pass.use(*pipeline->second);
+    const bool indexed = at == LightAt::Vertices || cornersFor(model, p.onFaces || p.onTexels) == Corners::Interpolated;
+    std::vector<BoundPart> bound;
     each([&](const State::Part& part, const GpuBindings& bindings, uint32_t offset) {
-        pass.draw(bindings, {&offset, 1}, part.indexCount(), at == LightAt::Vertices ? &part.indices : nullptr);
+        bound.push_back({&bindings, {offset}, indexed ? &part.indices : nullptr, &part.batches});
     });
-    p.drawBackground(pass, target, view, frame);
+    p.drawScene(commands, target, view, frame, bound, [&](size_t kind) { return *pipeline->second[kind]; });
 }
 
-void Renderer::State::drawBackground(const DrawPass& pass, const RenderTarget& target, const View& view, int frame) const {
+void Renderer::State::drawScene(vk::CommandBuffer commands, const RenderTarget& target, const View& view, int frame,
+                                std::span<const BoundPart> bound, const std::function<vk::Pipeline(size_t)>& pipelineOf) const {
+    const DrawPass pass(commands, target);
+    const auto blend = std::find(kinds.begin(), kinds.end(), Material::Alpha::Blend);
+    for (auto kind = kinds.begin(); kind != blend; ++kind)
+        drawBatches(pass, bound, materials, *kind, pipelineOf(size_t(kind - kinds.begin())));
     background->draw(pass, vk::Format(target.format), std::any_of(view.lights.begin(), view.lights.end(), aperturaIsSphere),
                      PerFrame<AperturaFrame>::offset(litSlot(frame, 0)));
+    if (blend != kinds.end()) drawBlended(pass, bound, materials, view.camera.eye, pipelineOf(size_t(blend - kinds.begin())));
 }
 
 void Renderer::prepareSky(const Sky& sky) { state_->background->setSky(state_->gpu, *state_->lit, sky); }
@@ -288,8 +318,8 @@ void Renderer::prepareShadowMapped(VkFormat format) {
     State& p = *state_;
     if (!p.shadow) {
         std::vector<ShadowMap::Part> parts;
-        for (const State::Part& part : p.parts) parts.push_back({part.vertices, part.indices, part.indexCount()});
-        p.shadow.emplace(p.gpu, *p.lit, parts, p.box, p.frames + 1);
+        for (const State::Part& part : p.parts) parts.push_back({part.vertices, part.indices, part.paint, part.batches});
+        p.shadow.emplace(p.gpu, *p.lit, parts, p.materials, p.painted, p.box, p.frames + 1);
     }
     p.shadow->prepare(p.gpu, format);
     p.background->prepare(p.gpu, vk::Format(format));
@@ -300,10 +330,10 @@ void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& 
     const std::optional<ShadowMap>& shadow = state_->shadow;
     if (!shadow) throw Error("the shadow map is not prepared");
     state_->light(frame, view, target.size);
+    for (const Material::Alpha kind : state_->kinds) shadow->pipeline(target.format, kind);  // throws before anything is recorded
     shadow->recordMap(commands, view, frame);
-    const DrawPass pass(commands, target);
-    shadow->draw(pass, target.format, frame);
-    state_->drawBackground(pass, target, view, frame);
+    state_->drawScene(commands, target, view, frame, shadow->shading(frame),
+                      [&](size_t kind) { return shadow->pipeline(target.format, state_->kinds[kind]); });
 }
 
 Picture Renderer::drawShadowMapped(const View& view) {

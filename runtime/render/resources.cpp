@@ -97,7 +97,7 @@ void letHostRead(vk::CommandBuffer commands, vk::PipelineStageFlags2 stage, vk::
     commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &barrier});
 }
 
-GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings) {
+GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings, vk::DescriptorSetLayout second) {
     std::vector<vk::DescriptorSetLayoutBinding> slots;
     std::vector<vk::DescriptorPoolSize> sizes;
     for (const Binding& b : bindings) {
@@ -106,7 +106,8 @@ GpuBindings::GpuBindings(const Gpu& gpu, std::span<const Binding> bindings) {
     }
     setLayout_ = make<vk::raii::DescriptorSetLayout>(
         gpu, vk::DescriptorSetLayoutCreateInfo{.bindingCount = uint32_t(slots.size()), .pBindings = slots.data()});
-    layout_ = make<vk::raii::PipelineLayout>(gpu, vk::PipelineLayoutCreateInfo{.setLayoutCount = 1, .pSetLayouts = &*setLayout_});
+    const vk::DescriptorSetLayout layouts[] = {*setLayout_, second};
+    layout_ = make<vk::raii::PipelineLayout>(gpu, vk::PipelineLayoutCreateInfo{.setLayoutCount = second ? 2u : 1u, .pSetLayouts = layouts});
     if (std::any_of(bindings.begin(), bindings.end(), [](const Binding& b) { return !b.buffer && !b.image; })) return;
     pool_ = make<vk::raii::DescriptorPool>(gpu, vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
                                                                              .maxSets = 1,

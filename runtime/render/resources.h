@@ -97,7 +97,8 @@ public:
         VkDeviceSize range = VK_WHOLE_SIZE;  // of the buffer, bytes
         vk::Sampler sampler{};               // of the image, for eCombinedImageSampler
     };
-    GpuBindings(const Gpu& gpu, std::span<const Binding> bindings);
+    // `second`: the layout of set 1, if pipelines have one.
+    GpuBindings(const Gpu& gpu, std::span<const Binding> bindings, vk::DescriptorSetLayout second = {});
 
     vk::PipelineLayout layout() const { return *layout_; }
     // `offsets`: bytes, one per dynamic buffer, in the order of the bindings.

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "apertura/runtime/asset/view.h"
-#include "apertura/runtime/render/draw.h"
+#include "apertura/runtime/render/batches.h"
 
 namespace apertura {
 
@@ -14,36 +14,41 @@ public:
     struct Part {
         const GpuBuffer& vertices;
         const GpuBuffer& indices;
-        uint32_t indexCount;
+        const GpuBuffer& paint;
+        const std::vector<Batch>& batches;
     };
 
-    // The renderer's buffers must outlive the shadow map.
+    // The renderer's buffers and materials must outlive the shadow map.
     //   lit     of each frame one for each part in turn
     //   bounds  of the scene, world, metres
-    //   frames  slots for record()
-    ShadowMap(const Gpu& gpu, const PerFrame<AperturaFrame>& lit, std::span<const Part> parts, const Box& bounds, int frames);
+    //   frames  slots for recordMap()
+    ShadowMap(const Gpu& gpu, const PerFrame<AperturaFrame>& lit, std::span<const Part> parts, const Materials& materials, bool painted,
+              const Box& bounds, int frames);
 
-    // Creates the pipeline for targets of this format.
+    // Creates the pipelines for targets of this format.
     void prepare(const Gpu& gpu, VkFormat format);
-    // Draws the map of the view's one directional light.
+    // Draws the map of the view's one directional light. Holes of masks, and what blends, cast no shadow.
     //   frame  0 .. frames - 1
     void recordMap(vk::CommandBuffer commands, const View& view, int frame) const;
-    // Draws the scene with it. Throws Error unless the format, of the pass's target, is prepared.
-    void draw(const DrawPass& pass, VkFormat format, int frame) const;
+    // What draws the scene with it. Throws Error unless the format, of the target, is prepared.
+    std::vector<BoundPart> shading(int frame) const;
+    vk::Pipeline pipeline(VkFormat format, Material::Alpha alpha) const;
 
 private:
-    struct BoundPart {
+    struct PartBindings {
         GpuBindings shading, mapping;
-        uint32_t indexCount;
+        const std::vector<Batch>* batches;
     };
-    void drawParts(const DrawPass& pass, GpuBindings BoundPart::*bindings, int frame) const;
+    std::vector<BoundPart> bound(GpuBindings PartBindings::*bindings, int frame) const;
 
     Box bounds_;
+    const Materials& materials_;
+    bool painted_;
     GpuImage map_;
     PerFrame<AperturaShadowView> seen_;
-    std::vector<BoundPart> parts_;
-    std::optional<vk::raii::Pipeline> mapping_;
-    std::map<VkFormat, vk::raii::Pipeline> shading_;
+    std::vector<PartBindings> parts_;
+    std::optional<vk::raii::Pipeline> mapping_, mappingMasks_;
+    std::map<std::pair<VkFormat, Material::Alpha>, vk::raii::Pipeline> shading_;
 };
 
 }  // namespace apertura

@@ -61,7 +61,7 @@ void makeInstance(GpuHandles& out, bool validate) {
 }
 
 // Creates device, queue and command pool of `out.physical`.
-void makeDevice(GpuHandles& out, bool half, bool statistics) {
+void makeDevice(GpuHandles& out, bool half, bool anisotropy, bool statistics) {
     const uint32_t family = usableFamily(out.physical);
     const float priority = 1;
     const vk::DeviceQueueCreateInfo queue{.queueFamilyIndex = family, .queueCount = 1, .pQueuePriorities = &priority};
@@ -71,12 +71,14 @@ void makeDevice(GpuHandles& out, bool half, bool statistics) {
                                                 .dynamicRendering = true,
                                                 .maintenance4 = true};  // glslang writes workgroup sizes as LocalSizeId
     const vk::PhysicalDeviceVulkan12Features more{.pNext = &features, .shaderFloat16 = half};
+    const vk::PhysicalDeviceFeatures core{.samplerAnisotropy = anisotropy};
     const char* const extension = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
     out.device = vk::raii::Device(out.physical, vk::DeviceCreateInfo{.pNext = &more,
                                                                      .queueCreateInfoCount = 1,
                                                                      .pQueueCreateInfos = &queue,
                                                                      .enabledExtensionCount = statistics ? 1u : 0u,
-                                                                     .ppEnabledExtensionNames = &extension});
+                                                                     .ppEnabledExtensionNames = &extension,
+                                                                     .pEnabledFeatures = &core});
     out.queue = vk::raii::Queue(out.device, family, 0);
     out.pool = vk::raii::CommandPool(
         out.device, vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eTransient, .queueFamilyIndex = family});
@@ -99,7 +101,8 @@ Gpu::Gpu(const GpuOptions& options) : handles_(std::make_unique<GpuHandles>()) {
         hasHalf_ = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>()
                        .get<vk::PhysicalDeviceVulkan12Features>()
                        .shaderFloat16;
-        makeDevice(*handles_, hasHalf_, options.statistics);
+        hasAnisotropy_ = physical.getFeatures().samplerAnisotropy;
+        makeDevice(*handles_, hasHalf_, hasAnisotropy_, options.statistics);
     });
 }
 

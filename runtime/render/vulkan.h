@@ -29,6 +29,7 @@ public:
     const std::string& name() const { return name_; }
     uint32_t largestImage() const { return largestImage_; }        // pixels per side
     bool hasHalf() const { return hasHalf_; }                      // shaders may compute in 16-bit floats
+    bool hasAnisotropy() const { return hasAnisotropy_; }          // textures may be filtered along a direction
     double clockTick() const { return clockTick_; }                // seconds per timestamp tick; 0: no timestamps
     VkDeviceSize largestBuffer() const { return largestBuffer_; }  // bytes of a storage buffer
     // Warnings and errors of the validation layer so far; empty without GpuOptions::validate.
@@ -40,7 +41,7 @@ public:
 private:
     std::unique_ptr<GpuHandles> handles_;
     uint32_t largestImage_ = 0;
-    bool hasHalf_ = false;
+    bool hasHalf_ = false, hasAnisotropy_ = false;
     double clockTick_ = 0;
     VkDeviceSize largestBuffer_ = 0;
     std::string name_;
