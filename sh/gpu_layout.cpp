@@ -25,6 +25,7 @@ static_assert(offsetof(AperturaFrame, counts) == 304 && offsetof(AperturaFrame, 
 static_assert(sizeof(AperturaSceneVertex) == 32);
 static_assert(offsetof(AperturaSceneVertex, position) == 0 && offsetof(AperturaSceneVertex, normal) == 16);
 
+static_assert(sizeof(AperturaCompose) == 32 && offsetof(AperturaCompose, samples) == 16);
 static_assert(sizeof(AperturaVertexPaint) == 32 && offsetof(AperturaVertexPaint, colour) == 16);
 static_assert(sizeof(AperturaMaterial) == 32 && offsetof(AperturaMaterial, emissive) == 16);
 

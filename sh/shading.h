@@ -25,6 +25,7 @@ inline float aperturaShadowDepth(const ShadowDepths& map, ivec2 texel) { return 
 #define APERTURA_FN inline
 #define APERTURA_STD140 alignas(16)
 #include "apertura/shaders/background.glsl"
+#include "apertura/shaders/compose.glsl"
 #include "apertura/shaders/evaluate.glsl"
 #include "apertura/shaders/frame.glsl"
 #include "apertura/shaders/lattice.glsl"

@@ -16,6 +16,7 @@ void addRenderCommand(CLI::App& program);
 void addCompareCommand(CLI::App& program);
 void addChartCommand(CLI::App& program);
 void addStabilityCommand(CLI::App& program);
+void addViewCommand(CLI::App& program);
 
 // Adds --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes. `options` must outlive `command`.
 void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);

@@ -16,8 +16,8 @@ struct View {
     // lamps all that is farther.
     std::vector<AperturaLight> lights;
     Sky sky;                 // where no light is
-    glm::vec3 albedo{0.8f};             // rgb, 0..1, of scenes without materials
-    bool plain = false;                 // all surfaces have that albedo: materials only let through
+    glm::vec3 albedo{0.8f};  // rgb, 0..1, of scenes without materials
+    bool plain = false;      // all surfaces have that albedo: materials only let through
 };
 
 // A light at infinity.

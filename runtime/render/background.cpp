@@ -44,22 +44,31 @@ void Background::bind(const Gpu& gpu, const PerFrame<AperturaFrame>& lit) {
 
 void Background::setSky(const Gpu& gpu, const PerFrame<AperturaFrame>& lit, const Sky& sky) {
     if (shows(sky)) return;
+    gpu.waitIdle();
     image_ = imageOf(gpu, sky.picture().get());
     picture_ = sky.picture();
     bind(gpu, lit);
 }
 
 void Background::prepare(const Gpu& gpu, vk::Format format) {
-    if (pipelines_.contains(format)) return;
+    {
+        const std::lock_guard hold(lock_);
+        if (pipelines_.contains(format)) return;
+    }
     const auto pipeline = [&](std::span<const uint32_t> fragment) {
         return makePipeline(gpu, {.vertex = background_vert, .fragment = fragment, .covers = DrawShaders::Covers::Equal}, *bindings_,
                             format);
     };
-    pipelines_.emplace(format, std::array{pipeline(background0_frag), pipeline(background1_frag)});
+    std::array made{pipeline(background0_frag), pipeline(background1_frag)};
+    const std::lock_guard hold(lock_);
+    pipelines_.emplace(format, std::move(made));
 }
 
 void Background::draw(const DrawPass& pass, vk::Format format, bool lamps, uint32_t offset) const {
-    pass.use(*pipelines_.at(format)[lamps]);
+    {
+        const std::lock_guard hold(lock_);
+        pass.use(*pipelines_.at(format)[lamps]);
+    }
     pass.draw(*bindings_, {&offset, 1}, 3);
 }
 

@@ -32,6 +32,7 @@ vk::raii::Pipeline makePipeline(const Gpu& gpu, const DrawShaders& shaders, cons
     const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = uint32_t(std::size(changing)), .pDynamicStates = changing};
     const vk::PipelineRenderingCreateInfo rendering{
         .colorAttachmentCount = blend.attachmentCount, .pColorAttachmentFormats = &colour, .depthAttachmentFormat = kDepthFormat};
+    ++gpu.handles().counters.pipelines;
     return make<vk::raii::Pipeline>(gpu, nullptr,
                                     vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
                                                                    .flags = flags,
@@ -90,6 +91,7 @@ void DrawPass::drawRange(uint32_t first, uint32_t vertices, bool indexed) const 
 Offscreen::Offscreen(const Gpu& gpu, vk::Extent2D size, vk::Format colour)
     : size_(size),
       format_(colour),
+      gpu_(gpu),
       colour_(gpu, size, colour, vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eTransferSrc,
               vk::ImageAspectFlagBits::eColor),
       depth_(gpu, size, kDepthFormat, vk::ImageUsageFlagBits::eDepthStencilAttachment, vk::ImageAspectFlagBits::eDepth),
@@ -104,6 +106,7 @@ void Offscreen::begin(vk::CommandBuffer commands) const {
 }
 
 void Offscreen::end(vk::CommandBuffer commands) const {
+    ++gpu_.handles().counters.copiesToHost;
     colour_.transition(commands, vk::ImageLayout::eColorAttachmentOptimal, vk::ImageLayout::eTransferSrcOptimal);
     commands.copyImageToBuffer(
         colour_.handle(), vk::ImageLayout::eTransferSrcOptimal, result_.handle(),

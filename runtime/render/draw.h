@@ -59,6 +59,7 @@ public:
 private:
     vk::Extent2D size_;
     vk::Format format_;
+    const Gpu& gpu_;
     GpuImage colour_, depth_;
     GpuBuffer result_;
 };

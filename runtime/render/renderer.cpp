@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <tuple>
 
 #include "apertura/runtime/render/background.h"
@@ -129,6 +131,10 @@ struct Renderer::State {
         background.emplace(gpu_, *lit);
     }
 
+    // Held by those who read the maps below and those of parts while they do, and alone by those who add to them while they do. One thread
+    // at a time adds.
+    mutable std::shared_mutex lock;
+
     const GpuBuffer& paramsOf(Part& part, const Model& model);
     const ModelBuffers& buffersOf(Part& part, const Model& model, int floats);
     // What lights a part in a frame: its place in `lit`.
@@ -152,7 +158,7 @@ struct Renderer::State {
     GpuBuffer noVertices;
     std::optional<PerFrame<AperturaFrame>> lit;  // one for each frame and part
     std::optional<Background> background;
-    std::optional<ShadowMap> shadow;
+    std::unique_ptr<ShadowMap> shadow;
     // By model, light class, format and variantOf, one for each of `kinds`.
     std::map<std::tuple<int, int, VkFormat, int>, std::vector<vk::raii::Pipeline>> pipelines;
     std::map<std::pair<int, int>, vk::raii::Pipeline> vertexLights;  // by model and light class
@@ -171,7 +177,9 @@ Renderer::~Renderer() = default;
 
 const GpuBuffer& Renderer::State::paramsOf(Part& part, const Model& model) {
     if (const auto found = part.allParams.find(model.id); found != part.allParams.end()) return found->second;
-    return part.allParams.emplace(model.id, uploadParams(gpu, asset, part.geometry, model)).first->second;
+    GpuBuffer made = uploadParams(gpu, asset, part.geometry, model);
+    const std::unique_lock hold(lock);
+    return part.allParams.emplace(model.id, std::move(made)).first->second;
 }
 
 const Renderer::State::ModelBuffers& Renderer::State::buffersOf(Part& part, const Model& model, int floats) {
@@ -193,6 +201,7 @@ const Renderer::State::ModelBuffers& Renderer::State::buffersOf(Part& part, cons
                                           {storage, shading, &softNodes},
                                           {storage, vertex, &part.paint}};
     GpuBindings bindings(gpu, slots, materials.layout());
+    const std::unique_lock hold(lock);
     return part.buffers.emplace(std::pair(model.id, floats), ModelBuffers{std::move(litVertices), std::move(bindings)}).first->second;
 }
 
@@ -246,17 +255,21 @@ void Renderer::prepare(const Model& model, int lightClass, VkFormat format, Ligh
     if (const std::tuple key(model.id, lightClass, format, variant); !p.pipelines.contains(key)) {
         std::vector<vk::raii::Pipeline> made;
         for (const Material::Alpha kind : p.kinds) made.push_back(pipeline(kind));
+        const std::unique_lock hold(p.lock);
         p.pipelines.emplace(key, std::move(made));
     }
     if (const std::pair key(model.id, lightClass); atVertices && !p.vertexLights.contains(key)) {
         const int32_t constants[] = {model.id, lightClass, model.slots};
-        p.vertexLights.emplace(key, makeComputePipeline(p.gpu, light_comp, constants, bindings));
+        vk::raii::Pipeline made = makeComputePipeline(p.gpu, light_comp, constants, bindings);
+        const std::unique_lock hold(p.lock);
+        p.vertexLights.emplace(key, std::move(made));
     }
 }
 
 void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View& view, const Model& model, int frame, LightAt at) const {
     const vk::CommandBuffer commands(to);
     const State& p = *state_;
+    const std::shared_lock hold(p.lock);
     // The least of the variants that are prepared and take as many lights.
     if (view.lights.size() > size_t(APERTURA_MAX_LIGHTS)) throw Error(kTooManyLights);
     const auto lights = int(view.lights.size());
@@ -319,7 +332,9 @@ void Renderer::prepareShadowMapped(VkFormat format) {
     if (!p.shadow) {
         std::vector<ShadowMap::Part> parts;
         for (const State::Part& part : p.parts) parts.push_back({part.vertices, part.indices, part.paint, part.batches});
-        p.shadow.emplace(p.gpu, *p.lit, parts, p.materials, p.painted, p.box, p.frames + 1);
+        auto made = std::make_unique<ShadowMap>(p.gpu, *p.lit, parts, p.materials, p.painted, p.box, p.frames + 1);
+        const std::unique_lock hold(p.lock);
+        p.shadow = std::move(made);
     }
     p.shadow->prepare(p.gpu, format);
     p.background->prepare(p.gpu, vk::Format(format));
@@ -327,7 +342,8 @@ void Renderer::prepareShadowMapped(VkFormat format) {
 
 void Renderer::recordShadowMapped(VkCommandBuffer commands, const RenderTarget& target, const View& view, int frame) const {
     requireOneDirectional(view);
-    const std::optional<ShadowMap>& shadow = state_->shadow;
+    const std::shared_lock hold(state_->lock);
+    const std::unique_ptr<ShadowMap>& shadow = state_->shadow;
     if (!shadow) throw Error("the shadow map is not prepared");
     state_->light(frame, view, target.size);
     for (const Material::Alpha kind : state_->kinds) shadow->pipeline(target.format, kind);  // throws before anything is recorded

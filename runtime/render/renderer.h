@@ -19,8 +19,8 @@ int lightClassOf(const View& view);
 // which a vertex sees a little differently from its pixels, nearly so (tests/light_at_test.cpp). Samples on faces are read at pixels alone.
 enum class LightAt { Pixels, Vertices };
 
-// Everything but `record` and `recordShadowMapped` uses the device's queue and changes what is prepared: no other thread may record or
-// submit meanwhile.
+// One thread may prepare while another one records frames: what is not prepared yet is not drawn with. `prepareSky` waits for all frames,
+// and no other call may run beside it.
 class Renderer {
 public:
     // Uploads the geometry, in parts if the device binds no buffer of its size.

@@ -2,29 +2,48 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace apertura {
-namespace {
+namespace {}  // namespace
 
-vk::raii::DeviceMemory allocate(const Gpu& gpu, const vk::MemoryRequirements& needs, vk::MemoryPropertyFlags wanted) {
+GpuMemory::GpuMemory(const Gpu& gpu, const vk::MemoryRequirements& needs, vk::MemoryPropertyFlags wanted) {
     const vk::PhysicalDeviceMemoryProperties memory = gpu.handles().physical.getMemoryProperties();
-    for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-        if ((needs.memoryTypeBits >> i & 1) && (memory.memoryTypes[i].propertyFlags & wanted) == wanted)
-            return make<vk::raii::DeviceMemory>(gpu, vk::MemoryAllocateInfo{.allocationSize = needs.size, .memoryTypeIndex = i});
-    throw Error("Vulkan: " + gpu.name() + " has no memory of the kind that is needed");
+    uint32_t type = 0;
+    while (type < memory.memoryTypeCount
+           && !((needs.memoryTypeBits >> type & 1) && (memory.memoryTypes[type].propertyFlags & wanted) == wanted))
+        ++type;
+    if (type == memory.memoryTypeCount) throw Error("Vulkan: " + gpu.name() + " has no memory of the kind that is needed");
+    memory_ = make<vk::raii::DeviceMemory>(gpu, vk::MemoryAllocateInfo{.allocationSize = needs.size, .memoryTypeIndex = type});
+    handles_ = &gpu.handles();
+    bytes_ = needs.size;
+    ++handles_->counters.allocations;
+    handles_->counters.allocatedBytes += bytes_;
 }
 
-}  // namespace
+GpuMemory& GpuMemory::operator=(GpuMemory&& other) noexcept {
+    if (this == &other) return *this;
+    release();
+    memory_ = std::move(other.memory_);
+    handles_ = std::exchange(other.handles_, nullptr);
+    bytes_ = other.bytes_;
+    return *this;
+}
+
+void GpuMemory::release() noexcept {
+    if (handles_) handles_->counters.allocatedBytes -= bytes_;
+    handles_ = nullptr;
+}
 
 GpuBuffer::GpuBuffer(const Gpu& gpu, VkDeviceSize bytes, vk::BufferUsageFlags usage, Place place)
     : buffer_(make<vk::raii::Buffer>(gpu, vk::BufferCreateInfo{.size = std::max<VkDeviceSize>(bytes, 16), .usage = usage})) {
     using Property = vk::MemoryPropertyFlagBits;
     const bool host = place == Place::Host;
-    memory_ = allocate(gpu, buffer_.getMemoryRequirements(),
-                       host ? Property::eHostVisible | Property::eHostCoherent : vk::MemoryPropertyFlags(Property::eDeviceLocal));
+    memory_ = GpuMemory(gpu, buffer_.getMemoryRequirements(),
+                        host ? Property::eHostVisible | Property::eHostCoherent : vk::MemoryPropertyFlags(Property::eDeviceLocal));
     checked([&] {
-        buffer_.bindMemory(*memory_, 0);
-        if (host) mapped_ = memory_.mapMemory(0, VK_WHOLE_SIZE);
+        buffer_.bindMemory(**memory_, 0);
+        if (host) mapped_ = (*memory_).mapMemory(0, VK_WHOLE_SIZE);
     });
 }
 
@@ -45,8 +64,8 @@ GpuImage::GpuImage(const Gpu& gpu, vk::Extent2D size, vk::Format format, vk::Ima
                                                             .arrayLayers = 1,
                                                             .usage = usage})),
       aspect_(aspect) {
-    memory_ = allocate(gpu, image_.getMemoryRequirements(), vk::MemoryPropertyFlagBits::eDeviceLocal);
-    checked([&] { image_.bindMemory(*memory_, 0); });
+    memory_ = GpuMemory(gpu, image_.getMemoryRequirements(), vk::MemoryPropertyFlagBits::eDeviceLocal);
+    checked([&] { image_.bindMemory(**memory_, 0); });
     view_ = make<vk::raii::ImageView>(
         gpu, vk::ImageViewCreateInfo{
                  .image = *image_, .viewType = vk::ImageViewType::e2D, .format = format, .subresourceRange = {aspect, 0, mips, 0, 1}});
@@ -149,6 +168,7 @@ vk::raii::Pipeline makeComputePipeline(const Gpu& gpu, std::span<const uint32_t>
                                        const GpuBindings& bindings, vk::PipelineCreateFlags flags) {
     const vk::raii::ShaderModule shader = makeShader(gpu, words);
     const Constants values(constants);
+    ++gpu.handles().counters.pipelines;
     return make<vk::raii::Pipeline>(
         gpu, nullptr,
         vk::ComputePipelineCreateInfo{

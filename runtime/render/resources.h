@@ -4,7 +4,10 @@
 #define VULKAN_HPP_NO_STRUCT_CONSTRUCTORS  // allows designated initialisers
 #include <vulkan/vulkan_raii.hpp>
 
+#include <atomic>
 #include <cstring>
+#include <functional>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,10 +23,19 @@ struct GpuHandles {
     vk::raii::Context context;
     vk::raii::Instance instance = nullptr;
     vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
+    vk::raii::SurfaceKHR surface = nullptr;
+    std::function<VkSurfaceKHR(VkInstance)> makeSurface;
     vk::raii::PhysicalDevice physical = nullptr;
     vk::raii::Device device = nullptr;
     vk::raii::Queue queue = nullptr;
-    vk::raii::CommandPool pool = nullptr;
+    uint32_t family = 0;   // of the queue
+    std::mutex queueLock;  // held while something is submitted or presented
+    struct {
+        std::atomic<uint64_t> pipelines = 0, allocations = 0, copiesToHost = 0, allocatedBytes = 0;
+    } counters;
+
+    // Makes the surface anew, as after a loss. Throws Error if that fails.
+    void renewSurface();
 };
 
 // Returns what `call` returns; turns vk::SystemError into Error.
@@ -42,6 +54,23 @@ Handle make(const Gpu& gpu, const Arguments&... arguments) {
     return checked([&] { return Handle(gpu.handles().device, arguments...); });
 }
 
+// Device memory that is counted while it is held.
+class GpuMemory {
+public:
+    GpuMemory() = default;
+    GpuMemory(const Gpu& gpu, const vk::MemoryRequirements& needs, vk::MemoryPropertyFlags wanted);
+    GpuMemory(GpuMemory&& other) noexcept { *this = std::move(other); }
+    GpuMemory& operator=(GpuMemory&& other) noexcept;
+    ~GpuMemory() { release(); }
+    const vk::raii::DeviceMemory& operator*() const { return memory_; }
+
+private:
+    void release() noexcept;
+    vk::raii::DeviceMemory memory_ = nullptr;
+    GpuHandles* handles_ = nullptr;
+    VkDeviceSize bytes_ = 0;
+};
+
 // A buffer with its own memory, of `bytes` bytes or 16, whichever is more.
 class GpuBuffer {
 public:
@@ -52,7 +81,7 @@ public:
     void* data() const { return mapped_; }  // Place::Host only, else null; coherent
 
 private:
-    vk::raii::DeviceMemory memory_ = nullptr;
+    GpuMemory memory_;
     vk::raii::Buffer buffer_;
     void* mapped_ = nullptr;
 };
@@ -72,7 +101,7 @@ public:
     void transition(vk::CommandBuffer commands, vk::ImageLayout from, vk::ImageLayout to) const;
 
 private:
-    vk::raii::DeviceMemory memory_ = nullptr;
+    GpuMemory memory_;
     vk::raii::Image image_;
     vk::raii::ImageView view_ = nullptr;
     vk::ImageAspectFlags aspect_;

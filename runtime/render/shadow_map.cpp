@@ -45,13 +45,15 @@ ShadowMap::ShadowMap(const Gpu& gpu, const PerFrame<AperturaFrame>& lit, std::sp
 void ShadowMap::prepare(const Gpu& gpu, VkFormat format) {
     for (const auto alpha : {Material::Alpha::Opaque, Material::Alpha::Mask, Material::Alpha::Blend}) {
         const int32_t constants[] = {painted_, int(alpha)};
-        if (!shading_.contains({format, alpha}))
-            shading_.emplace(
-                std::pair(format, alpha),
-                makePipeline(
-                    gpu,
-                    {.vertex = shadow0_vert, .fragment = shadow_frag, .constants = constants, .blends = alpha == Material::Alpha::Blend},
-                    parts_[0].shading, vk::Format(format)));
+        {
+            const std::lock_guard hold(lock_);
+            if (shading_.contains({format, alpha})) continue;
+        }
+        vk::raii::Pipeline made = makePipeline(
+            gpu, {.vertex = shadow0_vert, .fragment = shadow_frag, .constants = constants, .blends = alpha == Material::Alpha::Blend},
+            parts_[0].shading, vk::Format(format));
+        const std::lock_guard hold(lock_);
+        shading_.emplace(std::pair(format, alpha), std::move(made));
     }
 }
 
@@ -81,6 +83,7 @@ void ShadowMap::recordMap(vk::CommandBuffer commands, const View& view, int fram
 std::vector<BoundPart> ShadowMap::shading(int frame) const { return bound(&PartBindings::shading, frame); }
 
 vk::Pipeline ShadowMap::pipeline(VkFormat format, Material::Alpha alpha) const {
+    const std::lock_guard hold(lock_);
     const auto found = shading_.find({format, alpha});
     if (found == shading_.end()) throw Error("the shadow map is not prepared for this format");
     return *found->second;

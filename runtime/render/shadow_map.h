@@ -1,6 +1,7 @@
 #pragma once
 // The usual alternative, as a baseline: a shadow map with percentage-closer soft shadows.
 #include <map>
+#include <mutex>
 #include <optional>
 
 #include "apertura/runtime/asset/view.h"
@@ -49,6 +50,7 @@ private:
     std::vector<PartBindings> parts_;
     std::optional<vk::raii::Pipeline> mapping_, mappingMasks_;
     std::map<std::pair<VkFormat, Material::Alpha>, vk::raii::Pipeline> shading_;
+    mutable std::mutex lock_;  // of it
 };
 
 }  // namespace apertura
