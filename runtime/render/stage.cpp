@@ -86,7 +86,7 @@ void Stage::record(vk::CommandBuffer commands, int frame, const Composition& c, 
         f.truthIsNew = false;
     }
     for (int picture = 0; picture < 2; ++picture) {
-        if (picture == 1 && (c.split >= 1 || c.isTruth)) continue;
+        if (!c.redraw || (picture == 1 && (c.split >= 1 || c.isTruth))) continue;
         const GpuImage& image = f.colours[imageOf(picture, c.samples)];
         image.transition(commands, vk::ImageLayout::eShaderReadOnlyOptimal, vk::ImageLayout::eColorAttachmentOptimal);
         draw(picture, target(frame, picture, c.samples));

@@ -17,6 +17,7 @@ struct Composition {
     bool heat = false;     // the first picture less the second, instead of the second
     bool isTruth = false;  // the second picture is the one of setTruth
     int samples = 1;       // of a pixel across and down, 1 or 2, of pictures that are drawn
+    bool redraw = true;    // false: the pictures that this frame drew before are shown again
 };
 
 class Stage {

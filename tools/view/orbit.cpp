@@ -32,17 +32,20 @@ constexpr double kTurn = 3;  // radians for the picture's height
 }  // namespace
 
 void Orbit::turn(double right, double down) {
+    camera_.up = {0, 1, 0};
     const glm::dvec3 away = glm::dvec3(camera_.eye) - glm::dvec3(camera_.target);
     camera_.eye = glm::dvec3(camera_.target) + turned(away, -kTurn * right, kTurn * down);
 }
 
 void Orbit::look(double right, double down) {
+    camera_.up = {0, 1, 0};
     const glm::dvec3 towards = glm::dvec3(camera_.target) - glm::dvec3(camera_.eye);
     const double angle = double(camera_.verticalFov);
     camera_.target = glm::dvec3(camera_.eye) + turned(towards, angle * right, -angle * down);
 }
 
 void Orbit::pan(double right, double down) {
+    camera_.up = {0, 1, 0};
     const Frame f = frameOf(camera_);
     const double distance = glm::distance(camera_.eye, camera_.target), reach = 2 * distance * std::tan(double(camera_.verticalFov) / 2);
     const glm::vec3 by(reach * (-right * f.right + down * f.up));
@@ -50,12 +53,14 @@ void Orbit::pan(double right, double down) {
 }
 
 void Orbit::zoom(double steps) {
+    camera_.up = {0, 1, 0};
     const glm::dvec3 away = glm::dvec3(camera_.eye) - glm::dvec3(camera_.target);
     const double least = 1e-5 * size_, wanted = std::clamp(glm::length(away) * std::pow(0.88, steps), least, 100 * size_);
     camera_.eye = glm::dvec3(camera_.target) + wanted * glm::normalize(away);
 }
 
 void Orbit::fly(double right, double up, double forward) {
+    camera_.up = {0, 1, 0};
     const Frame f = frameOf(camera_);
     const glm::vec3 by(size_ * (right * f.right + up * glm::dvec3(0, 1, 0) + forward * f.forward));
     camera_.eye += by, camera_.target += by;

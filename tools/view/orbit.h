@@ -1,5 +1,5 @@
 #pragma once
-// A camera that goes around a point, or flies.
+// A camera that goes around a point, or flies. Once moved, its picture has +Y up.
 #include "apertura/runtime/asset/scene.h"
 
 namespace apertura {

@@ -17,8 +17,8 @@ constexpr double kLongest = 600;  // seconds
 
 // How many words follow each command: at least and at most.
 const std::map<std::string, std::pair<size_t, size_t>> kCommands{
-    {"key", {1, 1}},    {"drag", {5, 5}}, {"click", {2, 2}}, {"wheel", {1, 1}},  {"model", {1, 1}},
-    {"second", {1, 1}}, {"sun", {2, 2}},  {"wait", {0, 1}},  {"frames", {1, 1}}, {"save", {1, 1}}};
+    {"key", {1, 1}}, {"drag", {5, 5}}, {"click", {2, 2}},  {"wheel", {1, 1}}, {"model", {1, 1}}, {"second", {1, 1}},
+    {"sun", {2, 2}}, {"wait", {0, 1}}, {"frames", {1, 1}}, {"save", {1, 1}},  {"line", {0, 0}}};
 
 Uint32 buttonOf(const std::string& name) {
     return name == "left" ? SDL_BUTTON_LEFT : name == "middle" ? SDL_BUTTON_MIDDLE : name == "right" ? SDL_BUTTON_RIGHT : 0;
@@ -158,6 +158,9 @@ bool Script::isOver(Viewer& viewer, const Line& line) {
                     int(numberIn(w[1])), static_cast<unsigned long long>(after.pipelines - before_.pipelines),
                     static_cast<unsigned long long>(after.allocations - before_.allocations),
                     static_cast<unsigned long long>(after.copiesToHost - before_.copiesToHost), waited);
+        std::fflush(stdout);
+    } else if (w[0] == "line") {
+        std::printf("%s\n", viewer.renderLine().c_str());
         std::fflush(stdout);
     } else if (w[0] == "save") {
         viewer.save((std::filesystem::path(folder_) / w[1]).string());

@@ -8,15 +8,20 @@
 namespace apertura {
 
 // A line each; empty lines and those that begin with # say nothing.
-//   key NAME               as SDL names it, with ctrl+ or shift+ before
+//   key NAME                  as SDL names it, with ctrl+ or shift+ before
 //   drag BUTTON X0 Y0 X1 Y1   left, middle or right; pixels
-//   click X Y              twice, which probes a point
+//   click X Y                 twice, which probes a point
 //   wheel STEPS
-//   model NAME             second NAME: of the second picture
-//   sun AZIMUTH ELEVATION  degrees
-//   wait                   until the picture has settled; wait SECONDS; wait converged: until truth has
-//   frames N               draws N frames while the sun and lamps move, and prints what they made: pipelines, allocations, copies to the
-//   host save NAME              .png or .exr, in the folder
+//   model NAME                of the first picture
+//   second NAME               of the second one
+//   sun AZIMUTH ELEVATION     degrees
+//   wait                      until the picture has settled
+//   wait SECONDS
+//   wait converged            until truth has
+//   frames N                  draws N frames while the sun and lamps move, and prints how many pipelines, allocations
+//                             and copies to the host they made
+//   line                      prints the `apertura render` line of what is shown
+//   save NAME                 .png or .exr, in the folder
 class Script {
 public:
     // Throws Error "FILE:LINE: cause" for a line that is none of these.

@@ -217,8 +217,9 @@ void Viewer::frame(bool scripted) {
         stage_.reset();
         if (window_.size().width > 0 && window_.size().height > 0)
             stage_.emplace(window_.gpu(), window_.size(), window_.format(), Window::kFrames);
-        if (truth) truth.reset();
+        truth.reset();
         tracer_->pause();
+        ++change_;
     }
     const View view = currentView();
     const bool moved = !isSame(view.camera, drawnView_.camera) || view.lights.size() != drawnView_.lights.size()
@@ -258,7 +259,12 @@ void Viewer::frame(bool scripted) {
     composition.heat = settings.heat;
     composition.isTruth = settings.truth;
     composition.samples = rests ? 2 : 1;
+    const std::tuple<std::array<std::optional<Wanted>, 2>, bool, int> content(shown_, settings.split && !settings.truth,
+                                                                              composition.samples);
+    if (moved || content != content_) ++change_;
+    content_ = content;
     const int frame = window_.nextFrame();
+    composition.redraw = has_[size_t(frame)] != change_;
     const bool drawn = window_.frame(
         [&] {
             readTimes(frame);
@@ -282,6 +288,7 @@ void Viewer::frame(bool scripted) {
             timed_[size_t(number)] = clock;
         });
     if (!drawn) return;
+    has_[size_t(frame)] = change_;
     drawnView_ = view;
     drawnSamples_ = composition.samples;
     drawnFrame_ = frame;
@@ -308,12 +315,15 @@ void Viewer::save(const std::string& path) {
 std::string Viewer::renderLine() const {
     const Camera camera = orbit.camera();
     const ViewOptions& o = settings.light;
-    char text[512];
-    std::snprintf(text, sizeof text, "apertura render %s -o picture.png --model %s --camera=%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6g",
-                  file_.c_str(), settings.models[0] ? std::string(settings.models[0]->name).c_str() : "shadow-map", double(camera.eye.x),
-                  double(camera.eye.y), double(camera.eye.z), double(camera.target.x), double(camera.target.y), double(camera.target.z),
-                  double(camera.verticalFov) * 180 / std::numbers::pi);
-    std::string out = text;
+    std::string out = "apertura render " + file_ + " -o picture.png --model "
+                    + (settings.models[0] ? std::string(settings.models[0]->name) : "shadow-map");
+    if (!isSame(camera, viewOf(asset_.scene))) {
+        char text[256];
+        std::snprintf(text, sizeof text, " --camera=%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", double(camera.eye.x), double(camera.eye.y),
+                      double(camera.eye.z), double(camera.target.x), double(camera.target.y), double(camera.target.z),
+                      double(camera.verticalFov) * 180 / std::numbers::pi);
+        out += text;
+    }
     const auto add = [&](const char* form, double value) {
         char part[64];
         std::snprintf(part, sizeof part, form, value);

@@ -90,6 +90,10 @@ private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now(), changed_ = last_;
     std::deque<Times> times_;
     std::array<bool, Window::kFrames> timed_{};
+    // Counts changes of what is drawn, and which of them each frame has drawn.
+    uint64_t change_ = 1;
+    std::tuple<std::array<std::optional<Wanted>, 2>, bool, int> content_;
+    std::array<uint64_t, Window::kFrames> has_{};
     std::string message_;
     std::chrono::steady_clock::time_point messageUntil_{};
     size_t saved_ = 0;

@@ -70,8 +70,7 @@ Preparer::~Preparer() {
 bool Preparer::isReady(const Wanted& wanted) {
     const std::lock_guard hold(lock_);
     if (ready_.contains(wanted)) return true;
-    const auto same = [&](const Wanted& w) { return !(w < wanted) && !(wanted < w); };
-    if (!failed_.contains(wanted) && std::none_of(queue_.begin(), queue_.end(), same)) {
+    if (!failed_.contains(wanted) && std::find(queue_.begin(), queue_.end(), wanted) == queue_.end()) {
         queue_.push_front(wanted);
         changed_.notify_all();
     }
@@ -110,8 +109,7 @@ void Preparer::work() {
         }
         hold.lock();
         busy_ = false;
-        const auto same = [&](const Wanted& w) { return !(w < wanted) && !(wanted < w); };
-        queue_.erase(std::remove_if(queue_.begin(), queue_.end(), same), queue_.end());
+        std::erase(queue_, wanted);
         (error ? failed_ : ready_).insert(wanted);
         if (error) error_ = error;
     }

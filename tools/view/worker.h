@@ -25,6 +25,7 @@ struct Wanted {
     int lightClass = APERTURA_LIGHTS_SUN;
     LightAt at = LightAt::Pixels;
     int lights = 1;  // 1, or any number
+    bool operator==(const Wanted&) const = default;
     bool operator<(const Wanted& other) const {
         return std::tie(model, lightClass, at, lights) < std::tie(other.model, other.lightClass, other.at, other.lights);
     }
