@@ -11,40 +11,13 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/program.h"
 #include "tests/support.h"
 
 namespace apertura::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Result {
-    int code = 0;
-    std::string out, error;
-};
-
-std::string slurp(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-Result run(const std::string& arguments) {
-    const Folder folder;
-    const std::string command = std::string(APERTURA_PROGRAM) + " " + arguments + " >" + (folder / "out") + " 2>" + (folder / "err");
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(folder / "out"), slurp(folder / "err")};
-}
-
-long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
-
-// Expects the exit code `code`, one line on standard error that contains `name`, and nothing on standard output.
-void expectRefusal(const std::string& arguments, int code, const std::string& name) {
-    const Result r = run(arguments);
-    EXPECT_EQ(r.code, code) << arguments << "\n" << r.error;
-    EXPECT_EQ(lines(r.error), 1) << arguments << "\n" << r.error;
-    EXPECT_NE(r.error.find(name), std::string::npos) << arguments << "\n" << r.error;
-    EXPECT_TRUE(r.out.empty()) << r.out;
-}
 
 TEST(Cli, BakesInfoComparesAndRenders) {
     const Folder folder;

@@ -1,10 +1,13 @@
 #include <cstdio>
+#include <functional>
+#include <optional>
 
 #include "apertura/bake/measure/reference.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/materials.h"
 #include "apertura/runtime/render/renderer.h"
+#include "tools/film.h"
 #include "tools/terminal.h"
 #include "tools/view_options.h"
 
@@ -14,6 +17,7 @@ namespace {
 struct Arguments {
     std::string file, out, model, lightAt;
     ViewOptions view;
+    Film film;
     uint32_t seed = 1;
     int threads = 0;
     HeightMapOptions map;
@@ -29,7 +33,10 @@ void run(const Arguments& a) {
     const bool linear = a.out.ends_with(".exr");
     if (linear && (a.view.exposure != 0 || !a.view.tone.empty()))
         throw CLI::ValidationError("--exposure and --tone are for .png: an .exr holds radiance itself");
+    if (!linear && !a.out.ends_with(".png") && !a.film.isFilm(a.out))
+        throw CLI::ValidationError("-o: pictures are .png or .exr" + std::string(a.film.frames > 0 ? ", films .mp4 or .webp" : ""));
     a.view.check();
+    a.film.check(a.out);
     refuseToReplaceInput(a.file, a.out);
     requireWritable(a.out);
     Scene scene = loadScene(a.file, a.map);
@@ -38,35 +45,56 @@ void run(const Arguments& a) {
     const View view = a.view.viewOf(scene, viewNotes);
     if (a.model == "shadow-map" && (view.lights.size() != 1 || a.view.noSun))
         throw Error("a shadow map is drawn of the sun alone: leave out --lights, --punctual-radius and --no-sun");
-    Picture picture;
+    std::optional<Asset> asset;
+    std::optional<Gpu> gpu;
+    std::optional<Renderer> renderer;
+    std::optional<Tracer> tracer;
+    std::function<Picture(const View&)> draw;
     if (model || own || a.model == "shadow-map") {
-        const Asset asset = toAsset(std::move(scene));
-        notes = asset.scene.notes;
-        if (own) model = storedModel(asset.info);
+        asset = toAsset(std::move(scene));
+        notes = asset->scene.notes;
+        if (own) model = storedModel(asset->info);
         if (own && !model) model = findModel("soft");
-        if (a.lightAt == "vertices" && hasSamplesOnFaces(asset))
+        if (a.lightAt == "vertices" && hasSamplesOnFaces(*asset))
             throw Error(a.file + ": has samples on its faces, which --light-at vertices would leave out; bake it with --at vertices");
-        if (a.lightAt == "vertices" && hasTexels(asset))
+        if (a.lightAt == "vertices" && hasTexels(*asset))
             throw Error(a.file + ": has images, which --light-at vertices would leave out; bake it with --at vertices");
-        const Gpu gpu;
-        Renderer renderer(gpu, asset);
+        gpu.emplace();
+        renderer.emplace(*gpu, *asset);
         if (model) {
-            const LightAt better = renderer.betterLightAt(*model, 4.0 * view.width * view.height);
+            const LightAt better = renderer->betterLightAt(*model, 4.0 * view.width * view.height);
             const LightAt at = a.lightAt == "vertices" ? LightAt::Vertices : a.lightAt == "pixels" ? LightAt::Pixels : better;
-            picture = renderer.draw(view, *model, at);
+            draw = [&, at](const View& each) { return renderer->draw(each, *model, at); };
         } else {
-            picture = renderer.drawShadowMapped(view);
+            draw = [&](const View& each) { return renderer->drawShadowMapped(each); };
         }
     } else {
-        ProgressBar bar("ray tracing");
-        const Progress progress = bar.callback();
-        ReferenceOptions options;
-        options.seed = a.seed;
-        options.threads = a.threads;
-        picture = traceReference(Tracer(scene, progress), view, options, progress);
+        tracer.emplace(scene, [](double) { return !interrupted(); });
+        draw = [&](const View& each) {
+            ProgressBar bar("ray tracing");
+            ReferenceOptions options;
+            options.seed = a.seed;
+            options.threads = a.threads;
+            return traceReference(*tracer, each, options, a.film.frames > 0 ? [](double) { return !interrupted(); } : bar.callback());
+        };
     }
-    if (interrupted()) throw Cancelled{};
-    writePicture(a.out, linear ? picture : shown(std::move(picture), a.view.exposure, a.view.tone == "neutral"));
+    const auto finished = [&](const View& each) {
+        Picture picture = draw(each);
+        if (interrupted()) throw Cancelled{};
+        return linear ? picture : shown(std::move(picture), a.view.exposure, a.view.tone == "neutral");
+    };
+    if (a.film.frames == 0) {
+        writePicture(a.out, finished(view));
+    } else {
+        a.film.write(a.out, [&](int frame) {
+            View each = view;
+            if (!a.film.sunPath.empty() && !a.view.noSun) {
+                const auto [azimuth, elevation] = a.film.sunIn(frame);
+                each.lights[0] = sunLight(azimuth, elevation, a.view.radius);
+            }
+            return finished(each);
+        });
+    }
     std::printf("%s: %d x %d, %s\n", a.out.c_str(), view.width, view.height, model ? std::string(model->name).c_str() : a.model.c_str());
     printNotes(notes);
     printNotes(viewNotes);
@@ -89,6 +117,13 @@ void addRenderCommand(CLI::App& program) {
             "fewer than three times the pixels]")
         ->check(CLI::IsMember({"vertices", "pixels"}))
         ->type_name("vertices|pixels");
+    command
+        .add_option("--frames", a->film.frames, "draw so many frames: -o names them with %04d, or a film .mp4 or .webp, which ffmpeg makes")
+        ->check(CLI::Range(1, 100000))
+        ->type_name("N");
+    command.add_option("--sun-path", a->film.sunPath, "where the sun goes meanwhile, through two points or more, degrees")
+        ->type_name("AZ,EL:AZ,EL");
+    command.add_option("--rate", a->film.rate, "frames a second of a film [24]")->check(finiteRange(0.1, 240.0))->type_name("F");
     command.add_option("--seed", a->seed, "of the reference's rays [1]")->type_name("S");
     command.add_option("--threads", a->threads, "for the reference [all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     addHeightMapOptions(command, a->map);

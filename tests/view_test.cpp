@@ -1,0 +1,160 @@
+// The window, under Xvfb: scripts of keys and mouse, whose pictures are those of `apertura render`; and films.
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/png.h"
+#include "tests/program.h"
+
+namespace apertura::test {
+namespace {
+
+const char* const kScreen = "xvfb-run -a -s '-screen 0 1024x768x24'";
+
+class View : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder = new Folder;
+        EXPECT_EQ(run("bake builtin:arcade -o " + *folder / "arcade.glb" + " --rays 32 --at vertices").code, 0);
+    }
+    static void TearDownTestSuite() { delete folder; }
+    // The output of `view`, which must succeed, without a word on standard error.
+    static std::string replay(const std::string& script, const std::string& more = "") {
+        const Result r = run("view " + *folder / "arcade.glb" + " --script " + folder->write("script.txt", script) + " --save "
+                                 + folder->path.string() + " --size 200x120 --validate " + more,
+                             kScreen);
+        EXPECT_EQ(r.code, 0) << r.error;
+        EXPECT_EQ(r.error, "");
+        return r.out;
+    }
+    static Folder* folder;
+};
+Folder* View::folder = nullptr;
+
+PngImage png(const std::string& path) { return decodePng(readFile(path), path); }
+
+// The largest difference of two pictures, of 255.
+int largest(const std::string& a, const std::string& b) {
+    const PngImage x = png(a), y = png(b);
+    EXPECT_EQ(x.samples.size(), y.samples.size());
+    int out = 0;
+    for (size_t i = 0; i < std::min(x.samples.size(), y.samples.size()); ++i)
+        out = std::max(out, std::abs(int(x.samples[i]) - int(y.samples[i])));
+    return out;
+}
+
+TEST_F(View, ShowsWhatRenderDraws) {
+    const std::string lights = folder->write("lamps.json", R"([{"at":[0,2,-1],"radius":0.3,"radiance":[20,10,4]}])");
+    const std::string out = replay(
+        "# from the file's camera\nwait\nline\nsave 0.png\n"
+        "drag left 60 60 90 75\nwheel 1\nwait\nline\nsave 1.png\n"
+        "drag right 60 60 20 70\nkey n\nwait\nline\nsave 2.png\n"
+        "model aperture\nkey home\nkey left\nsun 200 30\nwait\nline\nsave 3.png\n"
+        "drag middle 60 60 70 50\nkey up\nwait\nline\nsave 4.png\n",
+        "--lights " + lights + " --tone neutral --exposure 0.5");
+    std::istringstream all(out);
+    int count = 0;
+    for (std::string line; std::getline(all, line); ++count) {
+        const std::string begin = "apertura render ", name = std::to_string(count) + ".png";
+        ASSERT_EQ(line.rfind(begin, 0), 0u) << line;
+        const size_t o = line.find("picture.png");
+        const std::string drawn = *folder / ("drawn" + name);
+        EXPECT_EQ(run(line.substr(begin.size() - 7, o - begin.size() + 7) + drawn + line.substr(o + 11)).code, 0) << line;
+        EXPECT_LE(largest(*folder / name, drawn), 1) << line;
+        if (count == 0) continue;
+        EXPECT_GT(largest(*folder / name, *folder / (std::to_string(count - 1) + ".png")), 20) << line;
+    }
+    EXPECT_EQ(count, 5);
+}
+
+TEST_F(View, MakesNothingWhileTheSunAndLampsMove) {
+    const std::string lights = folder->write("two.json", R"([{"at":[0,2,-1],"radius":0.3,"radiance":[20,10,4]},
+        {"at":[2,1,2],"radius":0.2,"radiance":[4,10,40]}])");
+    for (const std::string& more : {std::string(), "--lights " + lights}) {
+        const auto made = nlohmann::json::parse(replay("wait\nframes 300\n", more));
+        EXPECT_EQ(made["frames"], 300);
+        EXPECT_EQ(made["pipelines"], 0) << more;
+        EXPECT_EQ(made["allocations"], 0) << more;
+        EXPECT_EQ(made["copies"], 0) << more;
+    }
+}
+
+TEST_F(View, ComparesWithTruth) {
+    replay("key t\nwait converged\nsave split.png\nkey t\nkey tab\nsecond shadow-map\nwait\nsave models.png\nclick 100 90\nwait 1\n",
+           "--sun-radius 10");
+    // Right of the middle stands the reference, left of it the model.
+    EXPECT_EQ(run("render " + *folder / "arcade.glb" + " -o " + *folder / "left.png --size 200x120 --sun-radius 10").code, 0);
+    EXPECT_EQ(
+        run("render " + *folder / "arcade.glb" + " -o " + *folder / "right.png --size 200x120 --sun-radius 10 --model reference").code, 0);
+    const PngImage split = png(*folder / "split.png"), left = png(*folder / "left.png"), right = png(*folder / "right.png");
+    double apart[2][2]{};  // of each half from each picture
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 200; ++x)
+            for (int c = 0; c < 3; ++c) {
+                const size_t at = (size_t(y) * 200 + size_t(x)) * 3 + size_t(c);
+                apart[x >= 100][0] += std::abs(int(split.samples[at]) - int(left.samples[at]));
+                apart[x >= 100][1] += std::abs(int(split.samples[at]) - int(right.samples[at]));
+            }
+    EXPECT_LT(apart[0][0], 0.1 * apart[0][1]);
+    EXPECT_LT(apart[1][1], 0.5 * apart[1][0]);
+}
+
+TEST_F(View, BakesWhatIsNotBaked) {
+    const Result r = run("view " + smallScene("cube.gltf") + " --script " + folder->write("s.txt", "wait\nsave cube.png\n") + " --save "
+                             + folder->path.string() + " --size 64x64",
+                         kScreen);
+    EXPECT_EQ(r.code, 0) << r.error;
+    EXPECT_NE(r.out.find("baked for this window alone"), std::string::npos) << r.out;
+    EXPECT_EQ(png(*folder / "cube.png").width, 64);
+}
+
+TEST_F(View, SaysWhatIsWrongInOneLine) {
+    const std::string glb = *folder / "arcade.glb";
+    const auto refused = [&](const std::string& arguments, int code, const std::string& cause, const std::string& before) {
+        const Result r = run("view " + arguments, before);
+        EXPECT_EQ(r.code, code) << arguments << r.error;
+        EXPECT_EQ(lines(r.error), 1) << r.error;
+        EXPECT_NE(r.error.find(cause), std::string::npos) << r.error;
+    };
+    refused(glb, 1, "no window can be shown", "env -u DISPLAY -u WAYLAND_DISPLAY SDL_VIDEODRIVER=x11");
+    refused(glb, 1, "no window can be shown", std::string(kScreen) + " env VK_ICD_FILENAMES=/nowhere VK_DRIVER_FILES=/nowhere");
+    refused(glb + " --model nothing", 2, "there is no model 'nothing'", "");
+    refused(glb + " --script " + folder->write("bad.txt", "wait\n\njump 3\n"), 1, "bad.txt:3: there is no command 'jump'", "");
+    refused(glb + " --script " + folder->write("bad.txt", "drag left 1 2 x 4\n"), 1, "bad.txt:1: 'x' is not a number", "");
+    refused(glb + " --script " + folder->write("bad.txt", "save ../a.png\n"), 1, "bad.txt:1: '../a.png'", "");
+    refused(glb + " --script " + folder->write("bad.txt", "save a.png\n"), 1, "--save DIR", "");
+    refused(glb + " --script " + folder->write("bad.txt", "model firm-4\n") + " --save " + folder->path.string(), 1,
+            "does not hold the model firm-4", kScreen);
+    refused(glb + " --sky " + folder->write("bad.exr", "no picture"), 1, "bad.exr: ", "");
+    refused(glb + " --lights " + folder->write("bad.json", "[1]"), 1, "light 1 is not an object", "");
+}
+
+TEST(Film, FramesFollowTheSun) {
+    const Folder folder;
+    ASSERT_EQ(run("bake builtin:statue -o " + folder / "s.glb" + " --rays 16 --at vertices").code, 0);
+    const std::string scene = "render " + folder / "s.glb", size = " --size 48x32";
+    ASSERT_EQ(run(scene + " -o " + folder / "f%04d.png --frames 3 --sun-path 90,10:200,50" + size).code, 0);
+    ASSERT_EQ(run(scene + " -o " + folder / "last.png --sun-azimuth 200 --sun-elevation 50" + size).code, 0);
+    ASSERT_EQ(run(scene + " -o " + folder / "middle.png --sun-azimuth 145 --sun-elevation 30" + size).code, 0);
+    EXPECT_EQ(largest(folder / "f0002.png", folder / "last.png"), 0);
+    EXPECT_EQ(largest(folder / "f0001.png", folder / "middle.png"), 0);
+    EXPECT_GT(largest(folder / "f0000.png", folder / "f0001.png"), 20);
+    for (const char* const name : {"day.mp4", "day.webp"}) {
+        const Result r = run(scene + " -o " + folder / name + " --frames 4 --sun-path 90,10:200,50" + size);
+        EXPECT_EQ(r.code, 0) << r.error;
+        EXPECT_GT(std::filesystem::file_size(folder / name), 500u);
+    }
+    const size_t before = folder.files();
+    expectRefusal(scene + " -o " + folder / "x.mp4", 2, "--frames");
+    expectRefusal(scene + " -o " + folder / "x.png --frames 3", 2, "%04d");
+    expectRefusal(scene + " -o " + folder / "x%04d.png --frames 3 --sun-path 90", 2, "--sun-path");
+    expectRefusal(scene + " -o " + folder / "x.jpg", 2, ".png or .exr");
+    expectRefusal(scene + " -o " + folder / "x.exr --exposure 1", 2, "--exposure");
+    const Result lost = run(scene + " -o " + folder / "x.webp --frames 2" + size, "env PATH=/nowhere");
+    EXPECT_EQ(lost.code, 1);
+    EXPECT_NE(lost.error.find("ffmpeg"), std::string::npos) << lost.error;
+    EXPECT_EQ(folder.files(), before);
+}
+
+}  // namespace
+}  // namespace apertura::test
