@@ -5,4 +5,7 @@
 #include "paint.glsl"
 
 // Of a mask, the depth alone: its holes cast no shadow.
-void main() { baseColour(); }
+void main() {
+    baseColour();
+    if (inHole) discard;
+}

@@ -26,11 +26,14 @@ layout(set = 1, binding = 2) uniform sampler2D emissiveTexture;
 layout(location = 8) in vec4 places;
 layout(location = 9) in vec4 vertexColour;
 
-// Linear; a mask discards the pixels of its holes.
+// A hole of a mask. What it discards is discarded last, so that its neighbours have derivatives.
+bool inHole = false;
+
+// Linear.
 vec4 baseColour() {
     if (!painted) return vec4(frame.albedo.rgb, 1.0);
     vec4 base = material.baseColour * vertexColour * texture(baseTexture, places.xy);
-    if (alphaKind == 1 && base.a < material.emissive.w) discard;
+    inHole = alphaKind == 1 && base.a < material.emissive.w;
     if (alphaKind != 2) base.a = 1.0;
     return frame.albedo.w > 0.0 ? vec4(frame.albedo.rgb, base.a) : base;
 }
@@ -39,6 +42,7 @@ vec4 baseColour() {
 vec4 painting(vec4 base, vec3 irradiance) {
     vec3 colour = base.rgb / APERTURA_PI * irradiance;
     if (painted && frame.albedo.w == 0.0) colour += material.emissive.rgb * texture(emissiveTexture, places.zw).rgb;
+    if (inHole) discard;
     return vec4(colour, base.a);
 }
 #endif

@@ -142,7 +142,12 @@ void main() {
     vec3 fromSky = skyHere.rgb;
 #else
     addAround(normal);
+#if APERTURA_CORNERS == 1
+    // What three corners share is not counted thrice: see cost.cpp.
+    vec3 fromSky = irradiance.sky * aperturaSkyThrough(APERTURA_MODEL_UNSHADOWED, normal, visibility, frame.sky);
+#else
     vec3 fromSky = irradiance.sky * aperturaSkyThrough(model, normal, visibility, frame.sky);
+#endif
 #endif
 #if APERTURA_ONE_LIGHT
     vec3 sum = irradiance.lights + aperturaSkyBeside(irradiance, fromSky);

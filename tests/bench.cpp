@@ -188,6 +188,36 @@ void FrameLitAtVertices(benchmark::State& state) {
     }
 }
 
+// A frame of the court in the window, 960 x 540 pixels, over that of N.L alone, for the model that an asset of this recipe is drawn with.
+void FrameOverPlain(benchmark::State& state, const char* recipe) {
+    Asset asset;
+    asset.scene = makeBuiltin("arcade");
+    asset.info.model = recipe;
+    BakeOptions options;
+    options.recipe = recipe;
+    options.rays = 64;
+    asset.seen = bakeScene(asset.scene, Tracer(asset.scene), options);
+    asset.info.at = "faces";
+    const Model* const stored = storedModel(asset.info);
+    const Model& model = stored ? *stored : *findModel("soft");
+    const Gpu gpu;
+    Renderer renderer(gpu, asset);
+    View view;
+    view.camera = viewOf(asset.scene);
+    view.lights = {directionalLight({0.5f, 0.6f, 0.5f}, 0.27 * std::numbers::pi / 180, vec3(1e5))};
+    const double pixels = double(view.width) * view.height;
+    const FrameCase cases[] = {{&renderer, &model, renderer.betterLightAt(model, pixels)}, {&renderer, findModel("unshadowed")}};
+    for (auto _ : state) {
+        const std::vector<double> seconds = measuredFrames(gpu, view, cases, 20);
+        state.counters["frame_ms"] = 1e3 * seconds[0];
+        state.counters["plain_ms"] = 1e3 * seconds[1];
+        state.counters["ratio"] = seconds[0] / seconds[1];
+    }
+}
+
+BENCHMARK_CAPTURE(FrameOverPlain, soft, "sh")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(FrameOverPlain, firm_2, "firm-2")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(FrameOverPlain, automatic, "auto")->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK(FrameLitAtVertices)->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(Fit, cap_anti, "cap-anti")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Fit, multi_2, "multi-2")->Unit(benchmark::kMillisecond);

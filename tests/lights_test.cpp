@@ -9,6 +9,7 @@
 #include "apertura/bake/scene/builtin.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/gltf.h"
+#include "apertura/runtime/asset/gltf_document.h"
 #include "apertura/runtime/render/renderer.h"
 #include "tests/support.h"
 
@@ -266,7 +267,8 @@ TEST(Lights, OfAFileAreReadOrRefusedWithItsName) {
         {"[1]", "light 1 is not an object"},
         {R"([{"at": [0,0,0], "radius": 1, "radiance": [1,1]}])", "\"radiance\" is not three numbers"},
         {R"([{"at": [0,0,"0"], "radius": 1, "radiance": [1,1,1]}])", "\"at\" is not three numbers"},
-        {R"([{"at": [0,0,0], "radius": 0, "radiance": [1,1,1]}])", "positive number of metres"},
+        {R"([{"at": [0,0,0], "radius": 0, "radiance": [1,1,1]}])", "1e-6 to 1e9 metres"},
+        {R"([{"at": [0,0,0], "radius": 1e-46, "radiance": [1,1,1]}])", "1e-6 to 1e9 metres"},
         {R"([{"at": [0,0,0], "radius": 1, "radiance": [1,-1,1]}])", "negative"},
         {R"([{"at": [0,0,0], "radius": 1, "radiance": [1,NaN,1]}])", "not JSON"},
         {R"([{"at": [0,0,1e300], "radius": 1, "radiance": [1,1,1]}])", "too large"},
@@ -328,6 +330,13 @@ TEST(Lights, OfAGltfFileStandWhereItsNodesDo) {
     refused("\"light\":0", "\"light\":3", "unknown type");
     refused("\"intensity\":683", "\"intensity\":-1", "intensity");
     refused("[1,0.5,0]", "[1,0.5]", "color");
+    for (const char* const broken : {"[1]", "null", "7", R"({"lights":3})"}) {
+        Scene damaged = scene;
+        damaged.document = std::make_shared<GltfDocument>(*scene.document);
+        damaged.document->json["extensions"]["KHR_lights_punctual"] = nlohmann::json::parse(broken);
+        std::vector<std::string> unused;
+        EXPECT_THROW(punctualLights(damaged, 0.25, 0.01, unused), Error) << broken;
+    }
     std::vector<std::string> ignored;
     EXPECT_THROW(punctualLights(makeBuiltin("statue"), 0.25, 0.01, ignored), Error);
 }

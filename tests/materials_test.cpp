@@ -89,6 +89,19 @@ TEST(Materials, LetThroughWhatTheirAlphaSays) {
     EXPECT_EQ(with(R"({"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.49]}})"), 1);
     EXPECT_EQ(with(R"({"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.51]}})"), 0);
     EXPECT_NEAR(with(R"({"alphaMode":"BLEND"})", true), 0.5, 0.02) << "by the colour of its vertices";
+    // Of two panes each lets its part of the rays pass: a second instance of the first, 10 cm above it.
+    {
+        Scene two = parsed(
+            twoSheets(std::string(kGrey) + R"(,{"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.5]}})", ""));
+        EXPECT_NEAR(openness(two), 0.5, 0.02);
+        for (const bool shared : {true, false}) {
+            Scene more = two;
+            if (!shared) more.surfaces.push_back(more.surfaces[1]);
+            more.instances.push_back({shared ? 1 : 2, glm::mat4(1)});
+            more.instances.back().toWorld[3].y = 0.1f;
+            EXPECT_NEAR(openness(more), 0.25, 0.02) << shared;
+        }
+    }
     // Half of a fine checkerboard is open.
     const std::string fine = R"({"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":
         {"KHR_texture_transform":{"scale":[20,20]}}}}})";
@@ -131,7 +144,7 @@ TEST(Materials, ATextureIsReadAsItsSamplerSays) {
     const Texture smooth = textureWith("");
     EXPECT_LT(glm::length(smooth.at({0.5, 0.25}) - 0.5f * (red + green)), 1e-5f);
     // Mips are means of linear light: one channel of four is full in two of four texels.
-    ASSERT_EQ(smooth.mips.size(), 2u);
+    ASSERT_EQ(smooth.mips->size(), 2u);
     EXPECT_NEAR(smooth.at({0.3, 0.7}, 1).r, 0.5, 0.005);
     EXPECT_NEAR(smooth.at({0.5, 0.25}, 0.5f).b, 0.25, 0.005);
     for (const float x : {NAN, INFINITY, 1e30f, -1e30f}) EXPECT_TRUE(std::isfinite(smooth.at({x, 0.5}).r));

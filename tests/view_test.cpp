@@ -1,6 +1,8 @@
-// The window, under Xvfb: scripts of keys and mouse, whose pictures are those of `apertura render`; and films.
+// The window, on a virtual screen: scripts of keys and mouse, whose pictures are those of `apertura render`; and films.
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/png.h"
@@ -9,27 +11,51 @@
 namespace apertura::test {
 namespace {
 
-const char* const kScreen = "xvfb-run -a -s '-screen 0 1024x768x24'";
+// A virtual screen for as long as the object lives. `words`: before a program that is to show its window there.
+struct Screen {
+    Folder folder;
+    std::string words;
+    Screen() {
+        const std::string number = folder / "number", process = folder / "process";
+        const std::string command = "Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp 3>" + number + " >/dev/null 2>&1 & echo $! >"
+                                  + process;
+        EXPECT_EQ(std::system(command.c_str()), 0);
+        std::string display;
+        for (int i = 0; i < 600 && display.find('\n') == std::string::npos; ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            display = slurp(number);
+        }
+        EXPECT_NE(display.find('\n'), std::string::npos) << "Xvfb (package xvfb) does not start";
+        words = "env -u WAYLAND_DISPLAY DISPLAY=:" + display.substr(0, display.find('\n'));
+    }
+    ~Screen() { EXPECT_EQ(std::system(("kill $(cat " + (folder / "process") + ")").c_str()), 0); }
+};
 
 class View : public testing::Test {
 protected:
     static void SetUpTestSuite() {
         folder = new Folder;
+        screen = new Screen;
         EXPECT_EQ(run("bake builtin:arcade -o " + *folder / "arcade.glb" + " --rays 32 --at vertices").code, 0);
     }
-    static void TearDownTestSuite() { delete folder; }
+    static void TearDownTestSuite() {
+        delete screen;
+        delete folder;
+    }
     // The output of `view`, which must succeed, without a word on standard error.
     static std::string replay(const std::string& script, const std::string& more = "") {
         const Result r = run("view " + *folder / "arcade.glb" + " --script " + folder->write("script.txt", script) + " --save "
                                  + folder->path.string() + " --size 200x120 --validate " + more,
-                             kScreen);
+                             screen->words);
         EXPECT_EQ(r.code, 0) << r.error;
         EXPECT_EQ(r.error, "");
         return r.out;
     }
     static Folder* folder;
+    static Screen* screen;
 };
 Folder* View::folder = nullptr;
+Screen* View::screen = nullptr;
 
 PngImage png(const std::string& path) { return decodePng(readFile(path), path); }
 
@@ -99,10 +125,19 @@ TEST_F(View, ComparesWithTruth) {
     EXPECT_LT(apart[1][1], 0.5 * apart[1][0]);
 }
 
+// A second picture that was not drawn while the handle stood at the edge is drawn when it comes back.
+TEST_F(View, TheSecondPictureIsNeverOld) {
+    replay(
+        "second ao-area\nwait\ndrag left 100 60 260 60\ndrag right 60 60 120 30\nwait\ndrag left 199 60 0 60\nwait\nline\nsave "
+        "second.png\n");
+    const std::string line = replay("model ao-area\ndrag right 60 60 120 30\nwait\nsave only.png\n");
+    EXPECT_LE(largest(*folder / "second.png", *folder / "only.png"), 1);
+}
+
 TEST_F(View, BakesWhatIsNotBaked) {
     const Result r = run("view " + smallScene("cube.gltf") + " --script " + folder->write("s.txt", "wait\nsave cube.png\n") + " --save "
                              + folder->path.string() + " --size 64x64",
-                         kScreen);
+                         screen->words);
     EXPECT_EQ(r.code, 0) << r.error;
     EXPECT_NE(r.out.find("baked for this window alone"), std::string::npos) << r.out;
     EXPECT_EQ(png(*folder / "cube.png").width, 64);
@@ -116,15 +151,20 @@ TEST_F(View, SaysWhatIsWrongInOneLine) {
         EXPECT_EQ(lines(r.error), 1) << r.error;
         EXPECT_NE(r.error.find(cause), std::string::npos) << r.error;
     };
-    refused(glb, 1, "no window can be shown", "env -u DISPLAY -u WAYLAND_DISPLAY SDL_VIDEODRIVER=x11");
-    refused(glb, 1, "no window can be shown", std::string(kScreen) + " env VK_ICD_FILENAMES=/nowhere VK_DRIVER_FILES=/nowhere");
+    refused(glb, 1, "no window can be shown", "env -u DISPLAY -u WAYLAND_DISPLAY");
+    refused(glb, 1, "no window can be shown", screen->words + " VK_ICD_FILENAMES=/nowhere VK_DRIVER_FILES=/nowhere");
     refused(glb + " --model nothing", 2, "there is no model 'nothing'", "");
     refused(glb + " --script " + folder->write("bad.txt", "wait\n\njump 3\n"), 1, "bad.txt:3: there is no command 'jump'", "");
     refused(glb + " --script " + folder->write("bad.txt", "drag left 1 2 x 4\n"), 1, "bad.txt:1: 'x' is not a number", "");
     refused(glb + " --script " + folder->write("bad.txt", "save ../a.png\n"), 1, "bad.txt:1: '../a.png'", "");
     refused(glb + " --script " + folder->write("bad.txt", "save a.png\n"), 1, "--save DIR", "");
     refused(glb + " --script " + folder->write("bad.txt", "model firm-4\n") + " --save " + folder->path.string(), 1,
-            "does not hold the model firm-4", kScreen);
+            "does not hold the model firm-4", screen->words);
+    refused(glb + " --script " + folder->write("bad.txt", "frames 2.5\n"), 1, "'2.5' is not a number of frames", "");
+    refused(glb + " --script " + folder->write("bad.txt", "wheel 1e300\n"), 1, "too large", "");
+    refused(glb + " --save " + folder->path.string(), 2, "--save is for --script", "");
+    refused(glb + " --script " + folder->write("bad.txt", "wait\nmodel shadow-map\nwait\n") + " --no-sun", 1, "one light from a direction",
+            screen->words);
     refused(glb + " --sky " + folder->write("bad.exr", "no picture"), 1, "bad.exr: ", "");
     refused(glb + " --lights " + folder->write("bad.json", "[1]"), 1, "light 1 is not an object", "");
 }
@@ -145,12 +185,21 @@ TEST(Film, FramesFollowTheSun) {
         EXPECT_GT(std::filesystem::file_size(folder / name), 500u);
     }
     const size_t before = folder.files();
+    const std::string lamps = folder.write("f0001.json", "[]");
+    std::filesystem::create_symlink(folder / "s.glb", folder / "k0000.png");
+    expectRefusal(scene + " -o " + folder / "k%04d.png --frames 1 --sun-path 1,1:2,2", 2, "is the input itself");
+    std::filesystem::remove(folder / "k0000.png");
+    std::filesystem::remove(lamps);
+    expectRefusal(scene + " -o " + folder / "x%04d%04d.png --frames 2 --sun-path 1,1:2,2", 2, "twice");
     expectRefusal(scene + " -o " + folder / "x.mp4", 2, "--frames");
-    expectRefusal(scene + " -o " + folder / "x.png --frames 3", 2, "%04d");
+    expectRefusal(scene + " -o " + folder / "x.png --frames 3 --sun-path 90,3:100,3", 2, "%04d");
     expectRefusal(scene + " -o " + folder / "x%04d.png --frames 3 --sun-path 90", 2, "--sun-path");
+    expectRefusal(scene + " -o " + folder / "x%04d.png --frames 3 --sun-path 90,3", 2, "--sun-path");
+    expectRefusal(scene + " -o " + folder / "x%04d.png --frames 3 --sun-path 90,3:100,3 --sun-azimuth 20", 2, "--sun-path");
+    expectRefusal(scene + " -o " + folder / "x%04d.png --frames 3", 2, "--sun-path");
     expectRefusal(scene + " -o " + folder / "x.jpg", 2, ".png or .exr");
     expectRefusal(scene + " -o " + folder / "x.exr --exposure 1", 2, "--exposure");
-    const Result lost = run(scene + " -o " + folder / "x.webp --frames 2" + size, "env PATH=/nowhere");
+    const Result lost = run(scene + " -o " + folder / "x.webp --frames 2 --sun-path 90,10:200,50" + size, "env PATH=/nowhere");
     EXPECT_EQ(lost.code, 1);
     EXPECT_NE(lost.error.find("ffmpeg"), std::string::npos) << lost.error;
     EXPECT_EQ(folder.files(), before);

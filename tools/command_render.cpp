@@ -37,7 +37,9 @@ void run(const Arguments& a) {
         throw CLI::ValidationError("-o: pictures are .png or .exr" + std::string(a.film.frames > 0 ? ", films .mp4 or .webp" : ""));
     a.view.check();
     a.film.check(a.out);
-    refuseToReplaceInput(a.file, a.out);
+    for (const std::string& in : {a.file, a.view.sky, a.view.lights})
+        for (const std::string& out : a.film.filesOf(a.out))
+            if (!in.empty()) refuseToReplaceInput(in, out);
     requireWritable(a.out);
     Scene scene = loadScene(a.file, a.map);
     if (!a.view.plain) loadTextures(scene, TexturesFor::Pictures);
@@ -95,7 +97,9 @@ void run(const Arguments& a) {
             return finished(each);
         });
     }
-    std::printf("%s: %d x %d, %s\n", a.out.c_str(), view.width, view.height, model ? std::string(model->name).c_str() : a.model.c_str());
+    const std::string many = a.film.frames > 0 ? ", " + std::to_string(a.film.frames) + " frames" : "";
+    std::printf("%s: %d x %d, %s%s\n", a.out.c_str(), view.width, view.height, model ? std::string(model->name).c_str() : a.model.c_str(),
+                many.c_str());
     printNotes(notes);
     printNotes(viewNotes);
 }
@@ -127,7 +131,14 @@ void addRenderCommand(CLI::App& program) {
     command.add_option("--seed", a->seed, "of the reference's rays [1]")->type_name("S");
     command.add_option("--threads", a->threads, "for the reference [all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     addHeightMapOptions(command, a->map);
-    command.callback([a] { run(*a); });
+    command.callback([a, &command] {
+        if (command.count("--sun-path") > 0 && a->film.sunPath.empty())
+            throw CLI::ValidationError("--sun-path: '' is not AZ,EL:AZ,EL in degrees");
+        if (command.count("--rate") > 0 && !a->film.isFilm(a->out)) throw CLI::ValidationError("--rate is for films, .mp4 or .webp");
+        if (!a->film.sunPath.empty() && (command.count("--sun-azimuth") > 0 || command.count("--sun-elevation") > 0 || a->view.noSun))
+            throw CLI::ValidationError("--sun-path says where the sun is: leave out --sun-azimuth, --sun-elevation and --no-sun");
+        run(*a);
+    });
 }
 
 }  // namespace apertura

@@ -1,6 +1,9 @@
 #include "tools/film.h"
 
+#include <sys/wait.h>
+
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -38,8 +41,9 @@ std::string numbered(const std::string& out, int frame) {
 struct TemporaryFolder {
     std::filesystem::path path;
     explicit TemporaryFolder(const std::string& name) {
-        std::string pattern = (std::filesystem::temp_directory_path() / "apertura-film-XXXXXX").string();
-        if (!mkdtemp(pattern.data())) throw Error(name + ": no folder for its frames can be made");
+        std::error_code none;
+        std::string pattern = (std::filesystem::temp_directory_path(none) / "apertura-film-XXXXXX").string();
+        if (none || !mkdtemp(pattern.data())) throw Error(name + ": no folder for its frames can be made in $TMPDIR or /tmp");
         path = pattern;
     }
     ~TemporaryFolder() {
@@ -57,16 +61,28 @@ void encode(const std::filesystem::path& folder, const std::string& film, double
     const std::string command = "cd \"$APERTURA_FRAMES\" && ffmpeg -loglevel error -y -framerate " + std::to_string(rate) + " -i %04d.png "
                               + codec + film;
     setenv("APERTURA_FRAMES", folder.c_str(), 1);
-    if (std::system(command.c_str()) != 0) throw Error(name + ": ffmpeg, which makes films, failed or is not installed");
+    const int status = std::system(command.c_str());
+    if (interrupted() || (WIFSIGNALED(status) && WTERMSIG(status) == SIGINT)) throw Cancelled{};
+    if (status != 0) throw Error(name + ": ffmpeg, which makes films, failed");
 }
 
 }  // namespace
 
+std::vector<std::string> Film::filesOf(const std::string& out) const {
+    if (frames == 0 || isFilm(out)) return {out};
+    std::vector<std::string> all;
+    for (int i = 0; i < frames; ++i) all.push_back(numbered(out, i));
+    return all;
+}
+
 void Film::check(const std::string& out) const {
     const bool film = isFilm(out), hasNumber = out.find(kNumber) != std::string::npos;
     if (frames == 0 && (film || hasNumber || !sunPath.empty())) throw CLI::ValidationError("--frames says how many frames a film has");
+    if (hasNumber && out.find(kNumber) != out.rfind(kNumber)) throw CLI::ValidationError("-o: %04d stands in it twice");
     if (frames > 0 && film == hasNumber) throw CLI::ValidationError("-o: frames are OUT%04d.png or .exr, or a film .mp4 or .webp");
-    if (!sunPath.empty()) pointsOf(sunPath);
+    if (frames > 0 && sunPath.empty()) throw CLI::ValidationError("--frames: --sun-path says what moves");
+    if (!sunPath.empty() && pointsOf(sunPath).size() < 2)
+        throw CLI::ValidationError("--sun-path: has one point, and goes through two or more");
 }
 
 std::pair<double, double> Film::sunIn(int frame) const {

@@ -15,7 +15,8 @@ struct Film {
     std::string sunPath;  // AZIMUTH,ELEVATION:AZIMUTH,ELEVATION[:...], degrees
 
     bool isFilm(const std::string& out) const { return out.ends_with(".mp4") || out.ends_with(".webp"); }
-    // Throws CLI::ValidationError.
+    std::vector<std::string> filesOf(const std::string& out) const;  // all that will be written
+    // Throws CLI::ValidationError; Error where a film is wanted and ffmpeg is not installed.
     void check(const std::string& out) const;
     // Where the sun stands in frame i, azimuth and elevation in degrees: from point to point at an even speed.
     std::pair<double, double> sunIn(int frame) const;

@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
         for (const CLI::App* parsed : program.get_subcommands()) verb += parsed->get_name() + " ";
         return fail(2, std::string(error.what()) + " (see apertura " + verb + "--help)");
     } catch (const apertura::Cancelled&) {
-        return fail(130, "stopped; nothing was written");
+        return fail(130, "stopped; what was not finished was not written");
     } catch (const std::bad_alloc&) {
         return fail(1, "not enough memory");
     } catch (const std::exception& error) {

@@ -39,9 +39,12 @@ void filter(const RTCFilterFunctionNArguments* hits, const Passes& passes) {
     }
 }
 
-// A number of 0..1 that a ray and a triangle give.
+// A number of 0..1 that a ray and a triangle of an instance give.
 float hashOf(const RTCFilterFunctionNArguments* hits, unsigned i, unsigned triangle) {
-    uint64_t hash = triangle + 1;
+    // Each surface that a ray meets stops it or not on its own account.
+    const uint64_t instance = uint64_t(RTCHitN_instID(hits->hit, hits->N, i, 0)) << 32 | RTCHitN_geomID(hits->hit, hits->N, i);
+    uint64_t hash = (instance + 0x51ED270B27B4F3CFull) * 0x9E3779B97F4A7C15ull + triangle;
+    hash ^= hash >> 31;
     for (const float x :
          {RTCRayN_dir_x(hits->ray, hits->N, i), RTCRayN_dir_y(hits->ray, hits->N, i), RTCRayN_dir_z(hits->ray, hits->N, i),
           RTCRayN_org_x(hits->ray, hits->N, i), RTCRayN_org_y(hits->ray, hits->N, i), RTCRayN_org_z(hits->ray, hits->N, i)}) {

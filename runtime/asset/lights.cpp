@@ -47,7 +47,7 @@ AperturaLight lightOf(const Json& light, const std::string& name) {
         if (radiance[c] < 0) throw Error(name + ": its radiance is negative");
     const double radius = light["radius"].is_number() ? light["radius"].get<double>() : -1;
     if (isLamp) {
-        if (!(radius > 0 && radius <= kFarthest)) throw Error(name + ": \"radius\" is not a positive number of metres");
+        if (!(radius >= 1e-6 && radius <= kFarthest)) throw Error(name + ": \"radius\" is not 1e-6 to 1e9 metres");
         return sphereLight(vectorOf(light, "at", kFarthest, name), radius, radiance);
     }
     const glm::dvec3 towards = vectorOf(light, "towards", 1e30, name);
@@ -90,9 +90,11 @@ std::vector<AperturaLight> punctualLights(const Scene& scene, double radius, dou
     if (placed.size() > kMostLights)
         throw Error(scene.name + ": has " + std::to_string(placed.size()) + " lights of its own, and at most " + std::to_string(kMostLights)
                     + " shine beside the sun");
-    static const Json none = Json::object();
-    const Json& extensions = scene.document->json.value("extensions", none);
-    const Json all = extensions.value("KHR_lights_punctual", none).value("lights", Json::array());
+    // Members of wrong types count as missing.
+    const auto memberOf = [](const Json& object, const char* key) {
+        return object.is_object() && object.contains(key) ? object.at(key) : Json();
+    };
+    const Json all = memberOf(memberOf(memberOf(scene.document->json, "extensions"), "KHR_lights_punctual"), "lights");
     std::vector<AperturaLight> out;
     size_t spots = 0;
     for (const auto& [index, toWorld] : placed) {

@@ -21,10 +21,10 @@ VertexPaint paintAt(const Surface& surface, size_t triangle, const glm::vec3& ba
 
 // The mip in which `spread` metres are a texel.
 float levelOf(const Surface& surface, size_t triangle, const Texture& texture, glm::vec2 VertexPaint::*place, float spread) {
-    if (spread <= 0 || surface.paint.empty() || texture.mips.empty()) return 0;
+    if (spread <= 0 || surface.paint.empty() || !texture.mips) return 0;
     const std::array<uint32_t, 3>& t = surface.triangles[triangle];
     const auto uv = [&](size_t k) {
-        return glm::dvec2(surface.paint[t[k]].*place) * glm::dvec2(texture.mips[0].width, texture.mips[0].height);
+        return glm::dvec2(surface.paint[t[k]].*place) * glm::dvec2(texture.mips->front().width, texture.mips->front().height);
     };
     const glm::dvec2 a = uv(1) - uv(0), b = uv(2) - uv(0);
     const glm::dvec3 p(surface.positions[t[0]]), q = glm::dvec3(surface.positions[t[1]]) - p, r = glm::dvec3(surface.positions[t[2]]) - p;

@@ -11,7 +11,8 @@ struct Texture {
         std::vector<glm::u8vec4> texels;  // sRGB and alpha, row by row from the top
     };
     enum class Wrap { Repeat, Mirror, Clamp };
-    std::vector<Mip> mips;  // empty: not loaded, which is white
+    std::shared_ptr<const std::vector<Mip>> mips;  // null: not loaded, which is white; textures of one image share them
+    bool isLost = false;                           // its image is missing or broken
     Wrap wrapU = Wrap::Repeat, wrapV = Wrap::Repeat;
     bool nearest = false;  // not interpolated
 

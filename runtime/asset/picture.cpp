@@ -38,7 +38,10 @@ void writePicture(const std::string& path, const Picture& picture) {
     PendingFile file(path);
     std::vector<unsigned char> encoded;
     if (linear) {
-        encoded = encode(path, spec, OIIO::TypeDesc::FLOAT, picture.pixels.data());
+        constexpr float kMost = 65504;  // the largest half: the sun itself is brighter
+        std::vector<glm::vec3> pixels = picture.pixels;
+        for (glm::vec3& p : pixels) p = glm::min(p, kMost);
+        encoded = encode(path, spec, OIIO::TypeDesc::FLOAT, pixels.data());
     } else {
         std::vector<glm::u8vec3> pixels;
         pixels.reserve(picture.pixels.size());

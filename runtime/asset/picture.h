@@ -22,7 +22,7 @@ inline Picture halved(const Picture& picture) {
     return out;
 }
 
-// Writes .png (8 bits, sRGB curve, clamped to 0..1) or .exr (linear, half floats), whole or not at all. Throws Error
+// Writes .png (8 bits, sRGB curve, clamped to 0..1) or .exr (linear, half floats, 65504 at most), whole or not at all. Throws Error
 // naming `path` if it has another ending or cannot be written.
 void writePicture(const std::string& path, const Picture& picture);
 

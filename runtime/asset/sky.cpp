@@ -17,6 +17,7 @@ namespace {
 
 using std::numbers::pi;
 
+constexpr float kBrightest = 1e12f;  // W/m2/sr: 50 000 times the sun
 constexpr int64_t kMostPixels = int64_t(1) << 26;
 constexpr double kMostPixelsAByte = 4096;  // four times what deflate reaches on zeros
 
@@ -86,7 +87,7 @@ Sky::Sky(Picture picture, const std::string& name) {
                     + std::to_string(picture.height) + " pixels");
     for (const glm::vec3& p : picture.pixels)
         for (int c = 0; c < 3; ++c)
-            if (!std::isfinite(p[c]) || p[c] < 0) throw Error(name + ": a pixel's radiance is not a finite number of at least 0");
+            if (!(p[c] >= 0 && p[c] <= kBrightest)) throw Error(name + ": a pixel's radiance is not a finite number of 0 to 1e12 W/m2/sr");
     bands_ = bandsOf(picture);
     picture_ = std::make_shared<const Picture>(std::move(picture));
 }

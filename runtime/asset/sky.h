@@ -13,7 +13,7 @@ namespace apertura {
 class Sky {
 public:
     Sky(const glm::vec3& radiance = {0.11f, 0.2f, 0.42f});  // NOLINT(google-explicit-constructor): a colour is a sky
-    // Throws Error, which `name` begins, unless the picture is twice as wide as high and each of its numbers is finite and >= 0.
+    // Throws Error, which `name` begins, unless the picture is twice as wide as high and each of its numbers is 0..1e12.
     Sky(Picture picture, const std::string& name);
 
     // Radiance in a direction (unit), interpolated between the picture's pixels.

@@ -87,7 +87,7 @@ glm::vec4 inMip(const Texture& texture, const Texture::Mip& mip, const glm::vec2
         return linearOf(
             mip.texels[size_t(wrapped(y, mip.height, texture.wrapV)) * size_t(mip.width) + size_t(wrapped(x, mip.width, texture.wrapU))]);
     };
-    // Far away from the first image, floats could not tell texels apart, and ints would overflow.
+    // Ints do not overflow then; so far away floats step by whole texels.
     const glm::vec2 near = glm::clamp(place, -1e4f, 1e4f) * glm::vec2(mip.width, mip.height);
     if (texture.nearest) return texel(int(std::floor(near.x)), int(std::floor(near.y)));
     const glm::vec2 first = glm::floor(near - 0.5f), part = near - 0.5f - first;
@@ -139,11 +139,12 @@ int imageOf(const Json& json, size_t texture) {
 }  // namespace
 
 glm::vec4 Texture::at(const glm::vec2& place, float level) const {
-    if (mips.empty() || !std::isfinite(place.x) || !std::isfinite(place.y)) return glm::vec4(1);
-    const float within = std::clamp(level, 0.0f, float(mips.size() - 1));
+    if (!mips || !std::isfinite(place.x) || !std::isfinite(place.y)) return glm::vec4(1);
+    const std::vector<Mip>& all = *mips;
+    const float within = std::clamp(level, 0.0f, float(all.size() - 1));
     const auto lower = size_t(within);
-    const glm::vec4 first = inMip(*this, mips[lower], place);
-    return lower + 1 < mips.size() ? glm::mix(first, inMip(*this, mips[lower + 1], place), within - float(lower)) : first;
+    const glm::vec4 first = inMip(*this, all[lower], place);
+    return lower + 1 < all.size() ? glm::mix(first, inMip(*this, all[lower + 1], place), within - float(lower)) : first;
 }
 
 void loadTextures(Scene& scene, TexturesFor use) {
@@ -158,11 +159,11 @@ void loadTextures(Scene& scene, TexturesFor use) {
     }
     size_t lost = 0;
     for (size_t t = 0; t < isWanted.size(); ++t)
-        if (isWanted[t] && scene.textures[t]->mips.empty()) {
+        if (isWanted[t] && !scene.textures[t]->mips && !scene.textures[t]->isLost) {
             if (const int image = imageOf(document.json, t); image >= 0)
                 wanted[image].push_back(t);
             else
-                ++lost;
+                ++lost, scene.textures[t]->isLost = true;
         }
     const auto bytesOf = [&](int image) -> std::span<const unsigned char> {
         const Json& json = document.json["images"][size_t(image)];
@@ -172,7 +173,12 @@ void loadTextures(Scene& scene, TexturesFor use) {
     const auto read = [&](PipeWriter& pipe) {
         for (const auto& [image, textures] : wanted) {
             int width = 0, height = 0;
-            const std::vector<uint8_t> texels = decoded(bytesOf(image), width, height);
+            std::vector<uint8_t> texels;
+            try {
+                texels = decoded(bytesOf(image), width, height);
+            } catch (const std::bad_alloc&) {
+                width = height = 0;
+            }
             pipe.put(std::vector<int>{width, height});
             pipe.put(texels);
         }
@@ -184,18 +190,21 @@ void loadTextures(Scene& scene, TexturesFor use) {
             const std::vector<uint8_t> texels = pipe.take<uint8_t>();
             if (size.size() != 2 || size[0] <= 0 || texels.size() != 4 * size_t(size[0]) * size_t(size[1])) {
                 lost += textures.size();
+                for (const size_t t : textures) scene.textures[t]->isLost = true;
                 continue;
             }
             memory += double(texels.size()) * 4 / 3;
             requireMemory(scene.name, "its textures", memory);
             Texture::Mip first{size[0], size[1], std::vector<glm::u8vec4>(texels.size() / 4)};
             std::copy(texels.begin(), texels.end(), &first.texels[0].r);
-            scene.textures[textures[0]]->mips = mipsOf(std::move(first));
-            for (size_t k = 1; k < textures.size(); ++k) scene.textures[textures[k]]->mips = scene.textures[textures[0]]->mips;
+            const auto mips = std::make_shared<const std::vector<Texture::Mip>>(mipsOf(std::move(first)));
+            for (const size_t t : textures) scene.textures[t]->mips = mips;
         }
     };
     if (!wanted.empty()) {
-        ResourceLimits limits{60 + 20.0 * double(wanted.size()), 0x1p30 + 64.0 * double(document.fileBytes)};
+        // Of an image: ten seconds, and what the largest takes twice.
+        const double images = double(wanted.size());
+        const ResourceLimits limits{60 + 10 * images, 0x1p32 + std::min(64.0 * double(document.fileBytes) + 0x1p26 * images, 0x1p36)};
         runIsolated(scene.name, limits, read, receive);
     }
     if (lost > 0)

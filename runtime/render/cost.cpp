@@ -139,25 +139,42 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
         return cost;
     };
     static_assert(APERTURA_SHADOW_TAPS == 4 * 8);
-    // N.L that reads its samples in the pixel, as models do whose corners are counted: by class, faces and paint.
-    std::map<std::tuple<int, bool, bool>, CompiledCost> plain;
+    // What a pixel that reads its samples itself pays beside them, by class, faces and paint.
+    struct Shared {
+        CompiledCost plain;    // N.L
+        CompiledCost opening;  // where the sky's light comes from, once for all corners
+    };
+    std::map<std::tuple<int, bool, bool>, Shared> known;
     for (const PixelCase& c : cases) {
         const auto withModel = [&](const Model& model, Corners corners) {
             const int32_t constants[] = {model.id, c.lightClass, model.slots, c.onFaces, false, c.painted, 0, true};
             return compile({sceneVertex(corners), sceneFragment(corners, true), constants}, bindings);
         };
         const std::tuple key(c.lightClass, c.onFaces, c.painted);
-        if (!plain.contains(key)) plain[key] = withModel(*findModel("unshadowed"), Corners::Mixed);
+        if (!known.contains(key)) {
+            const Model& occlusion = *findModel("ao-area");
+            Shared& shared = known[key];
+            shared.plain = withModel(*findModel("unshadowed"), Corners::Mixed);
+            // A model that mixes, as it is and counted by its corners: the rest is the opening.
+            const CompiledCost whole = withModel(occlusion, Corners::Mixed),
+                               corners = times(withModel(occlusion, Corners::One), shared.plain, 3);
+            shared.opening.cycles = std::max(whole.cycles - corners.cycles, 0);
+            shared.opening.instructions = std::max(whole.instructions - corners.instructions, 0);
+        }
+        const Shared& shared = known[key];
         if (!c.model) {
             const int32_t constants[] = {c.painted, 0};
-            out.push_back(times(compile({shadow0_vert, shadow_frag, constants}, mapBindings), plain[key], 4));
+            out.push_back(times(compile({shadow0_vert, shadow_frag, constants}, mapBindings), shared.plain, 4));
         } else if (c.at == LightAt::Vertices) {
             const int32_t constants[] = {c.model->id, 0, c.lightClass, c.painted, 0};
             out.push_back(compile({lit_vert, lit_frag, constants}, bindings));
         } else if (c.model->mixes) {
             out.push_back(withModel(*c.model, cornersFor(*c.model, c.onFaces)));
         } else {
-            out.push_back(times(withModel(*c.model, Corners::One), plain[key], 3));
+            CompiledCost cost = times(withModel(*c.model, Corners::One), shared.plain, 3);
+            cost.cycles += shared.opening.cycles;
+            cost.instructions += shared.opening.instructions;
+            out.push_back(cost);
         }
     }
     return out;

@@ -1,6 +1,7 @@
 #include "apertura/runtime/render/materials.h"
 
 #include <algorithm>
+#include <map>
 
 #include "apertura/runtime/asset/materials.h"
 #include "apertura/sh/shading.h"
@@ -68,10 +69,12 @@ Materials::Materials(const Gpu& gpu, const Scene& scene) : layout_(makeLayout(gp
     const Texture plain;
     images_.push_back(imageOf(gpu, {{1, 1, {glm::u8vec4(255)}}}, bytes_));
     std::vector<size_t> imageOfTexture(scene.textures.size(), 0);
+    std::map<const void*, size_t> known;  // by the mips, which textures share
     for (size_t t = 0; t < scene.textures.size(); ++t) {
-        if (scene.textures[t]->mips.empty()) continue;
-        imageOfTexture[t] = images_.size();
-        images_.push_back(imageOf(gpu, scene.textures[t]->mips, bytes_));
+        if (!scene.textures[t]->mips) continue;
+        const auto [place, isNew] = known.emplace(scene.textures[t]->mips.get(), images_.size());
+        if (isNew) images_.push_back(imageOf(gpu, *scene.textures[t]->mips, bytes_));
+        imageOfTexture[t] = place->second;
     }
     std::vector<Material> all{Material()};
     all.insert(all.end(), scene.materials.begin(), scene.materials.end());

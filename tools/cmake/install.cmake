@@ -31,7 +31,7 @@ function(apertura_install_pc room what requires libs)
 endfunction()
 apertura_install_pc(sh "what is stored: four SH coefficients of visibility, the models' parameters, their lighting formulas" "glm" "")
 apertura_install_pc(asset "baked assets: reading them, and the light that a vertex receives"
-  "apertura-sh = ${PROJECT_VERSION}, OpenImageIO, spng, Imath" "-lmeshoptimizer")
+  "apertura-sh = ${PROJECT_VERSION}, OpenImageIO, spng, Imath, OpenEXR" "-lmeshoptimizer")
 if(APERTURA_RENDER)
   apertura_install_pc(renderer "draws baked assets with Vulkan" "apertura-asset = ${PROJECT_VERSION}, vulkan" "")
 endif()

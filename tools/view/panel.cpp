@@ -55,7 +55,7 @@ void Viewer::panelLights() {
     for (size_t i = 0; i < base_.lights.size(); ++i)
         if (AperturaLight& light = base_.lights[i]; aperturaIsSphere(light)) {
             ImGui::PushID(int(i));
-            ImGui::DragFloat3("lamp", &light.sphere.x, 0.02f);
+            lampsMoved_ |= ImGui::DragFloat3("lamp", &light.sphere.x, 0.02f);
             ImGui::PopID();
         }
 }
@@ -87,7 +87,8 @@ void Viewer::panelModels() {
     ImGui::SameLine();
     if (ImGui::Checkbox("truth (t)", &settings.truth)) settings.split = settings.truth;
     ImGui::SameLine();
-    ImGui::Checkbox("difference (x)", &settings.heat);
+    if (ImGui::Checkbox("difference (x)", &settings.heat)) settings.split = settings.split || settings.heat;
+    if (settings.heat) ImGui::TextUnformatted("red: the left is too bright, blue: too dark");
 }
 
 void Viewer::panelTruth() {
@@ -97,8 +98,9 @@ void Viewer::panelTruth() {
     } else if (truth->difference < 0) {
         ImGui::TextUnformatted("truth: a preview");
     } else {
-        ImGui::Text("off by %.2f %% RMS, its own noise %.2f %%", 100 * truth->difference, 100 * truth->noise);
-        ImGui::Text("%d passes, %s", truth->passes, truth->isConverged ? "converged" : "not converged yet");
+        ImGui::Text("off by %.2f %% of its mean radiance, RMS", 100 * truth->difference);
+        if (truth->passes > 1) ImGui::Text("its own noise %.2f %%", 100 * truth->noise);
+        ImGui::Text("after pass %d %s", truth->passes, truth->isConverged ? "converged" : "not converged yet");
     }
 }
 
@@ -108,7 +110,7 @@ void Viewer::panelCost() {
     if (!times_.empty()) {
         std::vector<float> all;
         for (const Times& t : times_) all.push_back(float(1e3 * (t.draw + t.compose)));
-        ImGui::Text("scene %.2f ms, shown %.2f ms", 1e3 * times_.back().draw, 1e3 * times_.back().compose);
+        ImGui::Text("scene %.2f ms, shown %.2f ms, while it moves", 1e3 * times_.back().draw, 1e3 * times_.back().compose);
         ImGui::PlotLines("ms", all.data(), int(all.size()), 0, nullptr, 0, FLT_MAX, ImVec2(0, 40));
     }
     ImGui::Text("%.1f MiB on the device", double(window_.gpu().counters().allocatedBytes) / 0x1p20);
@@ -164,9 +166,7 @@ void Viewer::panel() {
     panelTruth();
     panelCost();
     if (ImGui::CollapsingHeader("Keys")) {
-        ImGui::TextUnformatted(
-            "left drag: around the target; shift: across; ctrl: look\nright drag: the sun; wheel: nearer; WASD, QE: fly\n"
-            "double click: probe a point\nhome: back; c: the file's cameras; n, b: next model\nctrl+s: save; ctrl+c: copy the render line");
+        ImGui::TextUnformatted(kViewerKeys);
     }
     if (probed_ && ImGui::CollapsingHeader("Probe", ImGuiTreeNodeFlags_DefaultOpen)) {
         const Visibility& v = probed_->visibility;

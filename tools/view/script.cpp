@@ -2,6 +2,7 @@
 
 #include <SDL.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -14,11 +15,12 @@ namespace apertura {
 namespace {
 
 constexpr double kLongest = 600;  // seconds
+constexpr double kMost = 1e5;     // of a number in a line
 
 // How many words follow each command: at least and at most.
 const std::map<std::string, std::pair<size_t, size_t>> kCommands{
     {"key", {1, 1}}, {"drag", {5, 5}}, {"click", {2, 2}},  {"wheel", {1, 1}}, {"model", {1, 1}}, {"second", {1, 1}},
-    {"sun", {2, 2}}, {"wait", {0, 1}}, {"frames", {1, 1}}, {"save", {1, 1}},  {"line", {0, 0}}};
+    {"sun", {2, 2}}, {"wait", {0, 1}}, {"frames", {1, 1}}, {"save", {1, 1}},  {"line", {0, 0}},  {"clock", {0, 0}}};
 
 Uint32 buttonOf(const std::string& name) {
     return name == "left" ? SDL_BUTTON_LEFT : name == "middle" ? SDL_BUTTON_MIDDLE : name == "right" ? SDL_BUTTON_RIGHT : 0;
@@ -75,6 +77,12 @@ Script::Script(const std::string& path, std::string folder) : path_(path), folde
             if ((onlyNumbers || (command == "drag" && i > 1) || (command == "wait" && out.words[i] != "converged"))
                 && !isNumber(out.words[i]))
                 fail(out, "'" + out.words[i] + "' is not a number");
+        for (size_t i = 1; i < out.words.size(); ++i)
+            if (isNumber(out.words[i]) && std::abs(numberIn(out.words[i])) > kMost) fail(out, "'" + out.words[i] + "' is too large");
+        if (command == "frames" && !(numberIn(out.words[1]) >= 1 && numberIn(out.words[1]) == std::floor(numberIn(out.words[1]))))
+            fail(out, "'" + out.words[1] + "' is not a number of frames");
+        if (command == "sun" && (std::abs(numberIn(out.words[1])) > 360 || std::abs(numberIn(out.words[2])) > 90))
+            fail(out, "azimuths are -360 to 360 degrees, elevations -90 to 90");
         if (command == "drag" && buttonOf(out.words[1]) == 0) fail(out, "there is no button '" + out.words[1] + "'");
         if (command == "key" && keyOf(out.words[1]).first == 0) fail(out, "there is no key '" + out.words[1] + "'");
         if (command == "save") {
@@ -149,7 +157,7 @@ bool Script::isOver(Viewer& viewer, const Line& line) {
         return waited >= numberIn(w[1]);
     } else if (w[0] == "frames") {
         if (frames_ <= int(numberIn(w[1]))) {
-            viewer.settings.light.azimuth += 0.7;
+            viewer.settings.light.azimuth = std::fmod(viewer.settings.light.azimuth + 0.7, 360);
             viewer.moveLamps(frames_ % 20 < 10 ? 0.01 : -0.01);
             return false;
         }
@@ -159,6 +167,10 @@ bool Script::isOver(Viewer& viewer, const Line& line) {
                     static_cast<unsigned long long>(after.allocations - before_.allocations),
                     static_cast<unsigned long long>(after.copiesToHost - before_.copiesToHost), waited);
         std::fflush(stdout);
+    } else if (w[0] == "clock") {
+        const auto now = std::chrono::steady_clock::now();
+        std::printf("%.3f s\n", std::chrono::duration<double>(now - clock_).count());
+        clock_ = now;
     } else if (w[0] == "line") {
         std::printf("%s\n", viewer.renderLine().c_str());
         std::fflush(stdout);

@@ -8,20 +8,21 @@
 namespace apertura {
 
 // A line each; empty lines and those that begin with # say nothing.
-//   key NAME                  as SDL names it, with ctrl+ or shift+ before
-//   drag BUTTON X0 Y0 X1 Y1   left, middle or right; pixels
-//   click X Y                 twice, which probes a point
-//   wheel STEPS
-//   model NAME                of the first picture
-//   second NAME               of the second one
-//   sun AZIMUTH ELEVATION     degrees
-//   wait                      until the picture has settled
-//   wait SECONDS
-//   wait converged            until truth has
-//   frames N                  draws N frames while the sun and lamps move, and prints how many pipelines, allocations
-//                             and copies to the host they made
-//   line                      prints the `apertura render` line of what is shown
-//   save NAME                 .png or .exr, in the folder
+inline constexpr const char* kScriptCommands =
+    "key NAME                 as SDL names it, with ctrl+ or shift+ before\n"
+    "drag BUTTON X0 Y0 X1 Y1  left, middle or right; pixels\n"
+    "click X Y                twice, which probes a point\n"
+    "wheel STEPS\n"
+    "model NAME               of the first picture\n"
+    "second NAME              of the second one, or reference\n"
+    "sun AZIMUTH ELEVATION    degrees\n"
+    "wait [SECONDS]           or until the picture has settled\n"
+    "wait converged           until truth has\n"
+    "frames N                 N frames while the sun and lamps move; prints how many pipelines, allocations and copies they made\n"
+    "clock                    prints the seconds since the last such line, or since the program read the script\n"
+    "line                     prints the `apertura render` line of what is shown\n"
+    "save NAME                .png or .exr, in the folder of --save\n";
+
 class Script {
 public:
     // Throws Error "FILE:LINE: cause" for a line that is none of these.
@@ -44,7 +45,7 @@ private:
     bool begun_ = false;
     int frames_ = 0;
     GpuCounters before_;
-    std::chrono::steady_clock::time_point since_;
+    std::chrono::steady_clock::time_point since_, clock_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace apertura

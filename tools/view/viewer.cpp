@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <numbers>
 
 #include "apertura/runtime/asset/error.h"
@@ -21,6 +22,15 @@ constexpr size_t kTimes = 120;
 double sizeOf(const Scene& scene) {
     const Box box = worldBounds(scene);
     return glm::length(glm::dvec3(box.high) - glm::dvec3(box.low));
+}
+
+// For a shell.
+std::string quoted(const std::string& text) {
+    const bool plain = text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:+-#") == std::string::npos;
+    if (plain && !text.empty()) return text;
+    std::string out = "'";
+    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
 }
 
 bool isSame(const Camera& a, const Camera& b) {
@@ -86,10 +96,12 @@ std::vector<std::string> Viewer::modelNames() const {
 
 void Viewer::moveLamps(double metres) {
     for (AperturaLight& light : base_.lights)
-        if (aperturaIsSphere(light)) light.sphere.y += float(metres);
+        if (aperturaIsSphere(light)) light.sphere.y += float(metres), lampsMoved_ = true;
 }
 
 void Viewer::setModel(int picture, const std::string& name) {
+    if (picture == 1) settings.split = true, settings.truth = name == "reference";
+    if (picture == 1 && settings.truth) return;
     const std::vector<std::string> names = modelNames();
     if (std::find(names.begin(), names.end(), name) == names.end()) throw Error(asset_.scene.name + ": does not hold the model " + name);
     settings.models[size_t(picture)] = findModel(name);
@@ -120,9 +132,15 @@ void Viewer::key(int symbol, int modifiers) {
     if (modifiers & KMOD_CTRL) {
         if (symbol == SDLK_c) window_.setClipboard(renderLine()), message("copied: " + renderLine());
         if (symbol == SDLK_s) {
-            const std::string path = "apertura-" + std::to_string(++saved_) + ".png";
-            save(path);
-            message("saved " + path);
+            std::string path;
+            do path = "apertura-" + std::to_string(++saved_) + ".png";
+            while (std::filesystem::exists(path));
+            try {
+                save(path);
+                message("saved " + path);
+            } catch (const Error& e) {
+                message(e.what());
+            }
         }
         return;
     }
@@ -142,12 +160,15 @@ void Viewer::key(int symbol, int modifiers) {
             settings.truth = !settings.truth;
             settings.split = settings.truth;
             break;
-        case SDLK_x: settings.heat = !settings.heat; break;
+        case SDLK_x:
+            settings.heat = !settings.heat;
+            settings.split = settings.split || settings.heat;
+            break;
         case SDLK_SPACE:
         case SDLK_p: settings.plays = !settings.plays; break;
         case SDLK_F1: settings.panel = !settings.panel; break;
-        case SDLK_LEFT: settings.light.azimuth -= 5; break;
-        case SDLK_RIGHT: settings.light.azimuth += 5; break;
+        case SDLK_LEFT: settings.light.azimuth = std::fmod(settings.light.azimuth + 355, 360); break;
+        case SDLK_RIGHT: settings.light.azimuth = std::fmod(settings.light.azimuth + 5, 360); break;
         case SDLK_UP: settings.light.elevation = std::min(settings.light.elevation + 2, 90.0); break;
         case SDLK_DOWN: settings.light.elevation = std::max(settings.light.elevation - 2, -90.0); break;
         default: break;
@@ -171,13 +192,16 @@ void Viewer::handle(const SDL_Event& event) {
         case SDL_MOUSEWHEEL: orbit.zoom(double(event.wheel.preciseY)); break;
         case SDL_MOUSEBUTTONDOWN: {
             const bool onHandle = settings.split && std::abs(event.button.x - settings.splitAt * width) < 8;
+            // A drag that begins on a widget is the widget's: it does not come here.
+            dragging_ = true;
             if (event.button.button == SDL_BUTTON_LEFT && onHandle) draggingSplit_ = true;
             if (event.button.button == SDL_BUTTON_LEFT && (event.button.clicks == 2 || (SDL_GetModState() & KMOD_ALT)))
                 clicked(event.button.x, event.button.y);
             break;
         }
-        case SDL_MOUSEBUTTONUP: draggingSplit_ = false; break;
+        case SDL_MOUSEBUTTONUP: draggingSplit_ = dragging_ = false; break;
         case SDL_MOUSEMOTION: {
+            if (!dragging_) break;
             const double right = event.motion.xrel / height, down = event.motion.yrel / height;
             const Uint32 buttons = event.motion.state;
             if (draggingSplit_)
@@ -204,7 +228,8 @@ void Viewer::readTimes(int frame) {
                                                              vk::QueryResultFlagBits::e64);
     if (result != vk::Result::eSuccess) return;
     const auto seconds = [&](size_t i) { return double(ticks[i + 1] - ticks[i]) * window_.gpu().clockTick(); };
-    times_.push_back({seconds(0), seconds(1)});
+    // A picture that rests is not drawn again.
+    if (drewIn_[size_t(frame)]) times_.push_back({seconds(0), seconds(1)});
     if (times_.size() > kTimes) times_.pop_front();
 }
 
@@ -229,6 +254,15 @@ void Viewer::frame(bool scripted) {
                        });
     if (moved) changed_ = now;
     const bool rests = now - changed_ > kRest;
+    // A shadow map is drawn of one light from a direction, and of no others.
+    const bool mapped = view.lights.size() == 1 && !aperturaIsSphere(view.lights[0]);
+    for (size_t i = 0; i < 2; ++i)
+        if (!settings.models[i] && !mapped && (i == 0 || (settings.split && !settings.truth))) {
+            settings.models[i] = findModel("soft");
+            const std::string why = "a shadow map is drawn of one light from a direction alone: soft is shown";
+            if (scripted) throw Error(why);
+            message(why);
+        }
     // What was drawn last stays until what is wanted is ready.
     bool waiting = false;
     for (size_t i = 0; i < 2; ++i) {
@@ -239,14 +273,18 @@ void Viewer::frame(bool scripted) {
         else
             waiting = true;
         // The model before, if it takes these lights.
-        if (shown_[i] && !preparer_->isReady(wantedFor(shown_[i]->model, view))) shown_[i].reset();
+        if (shown_[i] && ((!shown_[i]->model && !mapped) || !preparer_->isReady(wantedFor(shown_[i]->model, view)))) shown_[i].reset();
+        if (shown_[i]) shown_[i] = wantedFor(shown_[i]->model, view);
     }
-    if (const auto error = preparer_->takeError()) message(*error);
-    if (const auto error = tracer_->takeError()) message(*error);
-    if (settings.truth && rests && shown_[0])
-        tracer_->want(view, shown_[0]->model, shown_[0]->at);
-    else if (moved || !settings.truth)
+    for (const auto& error : {preparer_->takeError(), tracer_->takeError()}) {
+        if (error && scripted) throw Error(*error);
+        if (error) message(*error);
+    }
+    if (settings.truth && rests && shown_[0]) {
+        if (tracer_->want(view, shown_[0]->model, shown_[0]->at)) truth.reset();
+    } else if (moved || !settings.truth) {
         tracer_->pause();
+    }
     if (moved) truth.reset();
     if (auto fresh = tracer_->take(); fresh && stage_) {
         truth = std::move(fresh);
@@ -259,7 +297,7 @@ void Viewer::frame(bool scripted) {
     composition.heat = settings.heat;
     composition.isTruth = settings.truth;
     composition.samples = rests ? 2 : 1;
-    const std::tuple<std::array<std::optional<Wanted>, 2>, bool, int> content(shown_, settings.split && !settings.truth,
+    const std::tuple<std::array<std::optional<Wanted>, 2>, bool, int> content(shown_, composition.split < 1 && !settings.truth,
                                                                               composition.samples);
     if (moved || content != content_) ++change_;
     content_ = content;
@@ -281,11 +319,12 @@ void Viewer::frame(bool scripted) {
                     if (!model) return;
                     if (model->model)
                         renderer_.record(commands, target, view, *model->model, slot, model->at);
-                    else if (view.lights.size() == 1)
+                    else
                         renderer_.recordShadowMapped(commands, target, view, slot);
                 },
                 clock);
             timed_[size_t(number)] = clock;
+            drewIn_[size_t(number)] = composition.redraw;
         });
     if (!drawn) return;
     has_[size_t(frame)] = change_;
@@ -315,7 +354,7 @@ void Viewer::save(const std::string& path) {
 std::string Viewer::renderLine() const {
     const Camera camera = orbit.camera();
     const ViewOptions& o = settings.light;
-    std::string out = "apertura render " + file_ + " -o picture.png --model "
+    std::string out = "apertura render " + quoted(file_) + " -o picture.png --model "
                     + (settings.models[0] ? std::string(settings.models[0]->name) : "shadow-map");
     if (!isSame(camera, viewOf(asset_.scene))) {
         char text[256];
@@ -337,12 +376,14 @@ std::string Viewer::renderLine() const {
         add(" --sun-radius %.9g", o.radius);
     }
     out += " --size " + std::to_string(window_.size().width) + "x" + std::to_string(window_.size().height);
-    if (!o.sky.empty()) out += " --sky " + o.sky;
-    if (!o.lights.empty()) out += " --lights " + o.lights;
+    if (!o.sky.empty()) out += " --sky " + quoted(o.sky);
+    if (!o.lights.empty()) out += " --lights " + quoted(o.lights);
     if (o.punctualRadius > 0) add(" --punctual-radius %.9g", o.punctualRadius);
     if (o.exposure != 0) add(" --exposure %.9g", o.exposure);
     if (!o.tone.empty()) out += " --tone " + o.tone;
     if (o.plain) out += " --plain";
+    if (lampsMoved_) out += "  # lamps were moved since";
+    if (!hasVisibility(asset_.scene)) out += "  # of this scene, baked: apertura bake";
     return out;
 }
 

@@ -15,6 +15,15 @@
 
 namespace apertura {
 
+// What keys and mouse do.
+inline constexpr const char* kViewerKeys =
+    "left drag: around the target; with shift: across; with ctrl: look\n"
+    "right drag: the sun; middle drag: across; wheel: nearer\n"
+    "w a s d, q e: fly, with shift faster; home or h: back; c: the file's cameras\n"
+    "double click: probe a point; n, b or page keys: next model\n"
+    "tab: split; t: truth; x: difference; space or p: a day; arrows: the sun\n"
+    "ctrl+s: save; ctrl+c: copy the render line; F1: panel; escape: end";
+
 // What the user sets.
 struct Settings {
     ViewOptions light;                                     // the sun, exposure and tone
@@ -38,13 +47,15 @@ public:
     bool isSettled() const { return settledFrames_ > 2; }
     bool isDone() const { return done_; }
 
-    // Writes the picture that is shown, without the panel, as `render` would: .png or .exr. Throws Error.
+    // Writes what is shown, without the panel, as `render` would: .png or .exr. Where the difference is shown, the second picture itself.
+    // Throws Error.
     void save(const std::string& path);
     std::string renderLine() const;
 
     Window& window() { return window_; }
     void moveLamps(double metres);  // all that stand in the scene, upwards
-    // The names that a script and the panel know models by; "shadow-map" is one. Throws Error where there is none.
+    // The names that a script and the panel know models by; "shadow-map" is one, and for the second picture "reference". Throws Error where
+    // there is none.
     void setModel(int picture, const std::string& name);
     std::vector<std::string> modelNames() const;
 
@@ -86,10 +97,10 @@ private:
     int drawnSamples_ = 1, drawnFrame_ = 0;
     int settledFrames_ = 0;
     size_t camera_ = 0;
-    bool done_ = false, draggingSplit_ = false;
+    bool done_ = false, draggingSplit_ = false, dragging_ = false, lampsMoved_ = false;
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now(), changed_ = last_;
     std::deque<Times> times_;
-    std::array<bool, Window::kFrames> timed_{};
+    std::array<bool, Window::kFrames> timed_{}, drewIn_{};  // of each frame
     // Counts changes of what is drawn, and which of them each frame has drawn.
     uint64_t change_ = 1;
     std::tuple<std::array<std::optional<Wanted>, 2>, bool, int> content_;

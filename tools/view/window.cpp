@@ -7,6 +7,7 @@
 #include <imgui.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 
 namespace apertura {
@@ -19,6 +20,9 @@ struct SdlWindow {
     SDL_Window* window = nullptr;
 
     SdlWindow(const std::string& title, int width, int height) {
+        const auto isSet = [](const char* name) { return std::getenv(name) && *std::getenv(name); };
+        if (!isSet("DISPLAY") && !isSet("WAYLAND_DISPLAY"))
+            throw Error("no window can be shown: there is no display (neither $DISPLAY nor $WAYLAND_DISPLAY names one)");
         if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) fail("no window can be shown");
         // The size that was asked for is in pixels.
         window = SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height,

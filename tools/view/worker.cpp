@@ -128,13 +128,14 @@ TruthTracer::~TruthTracer() {
     thread_.join();
 }
 
-void TruthTracer::want(const View& view, const Model* model, LightAt at) {
+bool TruthTracer::want(const View& view, const Model* model, LightAt at) {
     const std::lock_guard hold(lock_);
-    if (request_ && isSame(request_->view, view) && request_->model == model && request_->at == at) return;
+    if (request_ && isSame(request_->view, view) && request_->model == model && request_->at == at) return false;
     request_ = {view, model, at};
     fresh_.reset();
     ++number_;
     changed_.notify_all();
+    return true;
 }
 
 void TruthTracer::pause() {

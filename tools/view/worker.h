@@ -73,8 +73,8 @@ public:
     TruthTracer(const Scene& scene, Renderer& renderer, RendererLock& lock);
     ~TruthTracer();
 
-    // Traces this view from now on; does nothing if it already does. `model`: what it is compared with, null: a shadow map.
-    void want(const View& view, const Model* model, LightAt at);
+    // Traces this view from now on; false: it already does. `model`: what it is compared with, null: a shadow map.
+    bool want(const View& view, const Model* model, LightAt at);
     void pause();
     const Tracer* tracer() const { return tracer_; }  // null until it is built
     // What there is, if it is newer than what was taken before.
