@@ -8,6 +8,7 @@
 #include "apertura/runtime/render/draw.h"
 #include "apertura/runtime/render/renderer.h"
 #include "tests/baseline.h"
+#include "tests/open_plane.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -102,14 +103,7 @@ TEST_F(GpuTest, ComputesWhatTheProcessorComputes) {
 }
 
 TEST_F(GpuTest, DrawsAnOpenPlaneAsTheClosedFormSays) {
-    Asset asset;
-    Surface plane;
-    plane.positions = {{-9, 0, -9}, {9, 0, -9}, {9, 0, 9}, {-9, 0, 9}};
-    plane.normals.assign(4, {0, 1, 0});
-    plane.triangles = {{0, 2, 1}, {0, 3, 2}};
-    asset.scene.surfaces = {plane};
-    asset.scene.instances = {{0}};
-    asset.seen = {{std::vector<Visibility>(4, {{0, float(pi), 0}, float(2 * pi)}), {}}};
+    const Asset asset = openPlane();
     View view;
     view.width = view.height = 16;
     view.camera = {{0, 5, 0.01f}, {0, 0, 0}, 0.5f};

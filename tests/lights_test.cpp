@@ -11,6 +11,7 @@
 #include "apertura/runtime/asset/gltf.h"
 #include "apertura/runtime/asset/gltf_document.h"
 #include "apertura/runtime/render/renderer.h"
+#include "tests/open_plane.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -181,14 +182,7 @@ TEST(Lights, TogetherGiveNoMoreThanTheWholeOpeningWithTheBrightest) {
 // The mean radiance that leaves a floor, by the device: under the lights of a view.
 TEST(Lights, ThatHideEachOtherAreDrawnSo) {
     const Gpu gpu({.validate = true});
-    Asset asset;
-    Surface plane;
-    plane.positions = {{-9, 0, -9}, {9, 0, -9}, {9, 0, 9}, {-9, 0, 9}};
-    plane.normals.assign(4, {0, 1, 0});
-    plane.triangles = {{0, 2, 1}, {0, 3, 2}};
-    asset.scene.surfaces = {plane};
-    asset.scene.instances = {{0}};
-    asset.seen = {{std::vector<Visibility>(4, {{0, float(pi), 0}, float(2 * pi)}), {}}};
+    const Asset asset = openPlane();
     View view;
     view.width = view.height = 16;
     view.camera = {{0, 5, 0.01f}, {0, 0, 0}, 0.5f};

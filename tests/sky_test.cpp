@@ -9,6 +9,7 @@
 #include "apertura/bake/scene/builtin.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/render/renderer.h"
+#include "tests/open_plane.h"
 #include "tests/support.h"
 
 namespace apertura::test {
@@ -131,18 +132,6 @@ TEST(Sky, ThroughFourNumbersErrsLessThanHalfOfItsLowestMip) {
         }
         EXPECT_LE(sum.ours, 0.25 * sum.lowestMip) << name;
     }
-}
-
-Asset openPlane() {
-    Asset asset;
-    Surface plane;
-    plane.positions = {{-9, 0, -9}, {9, 0, -9}, {9, 0, 9}, {-9, 0, 9}};
-    plane.normals.assign(4, {0, 1, 0});
-    plane.triangles = {{0, 2, 1}, {0, 3, 2}};
-    asset.scene.surfaces = {plane};
-    asset.scene.instances = {{0}};
-    asset.seen = {{std::vector<Visibility>(4, {{0, float(pi), 0}, float(2 * pi)}), {}}};
-    return asset;
 }
 
 TEST(Sky, IsDrawnAsItsPictureAndLightsAsTheClosedFormSays) {

@@ -1,6 +1,7 @@
 #include "apertura/runtime/render/stage.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 
@@ -20,7 +21,7 @@ vk::Extent2D times(vk::Extent2D size, int samples) { return {size.width * uint32
 Stage::Stage(const Gpu& gpu, vk::Extent2D size, vk::Format shown, int frames) : gpu_(gpu), size_(size), compose_(gpu, frames) {
     constexpr auto both = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
     constexpr auto colour = vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eSampled
-                          | vk::ImageUsageFlagBits::eTransferSrc;
+                          | vk::ImageUsageFlagBits::eTransferSrc | vk::ImageUsageFlagBits::eTransferDst;
     if (2 * std::max(size.width, size.height) > gpu.largestImage())
         throw Error("Vulkan: " + gpu.name() + " draws windows of at most " + std::to_string(gpu.largestImage() / 2) + " pixels a side");
     for (int f = 0; f < frames; ++f) {
@@ -39,14 +40,20 @@ Stage::Stage(const Gpu& gpu, vk::Extent2D size, vk::Format shown, int frames) : 
                            GpuBuffer(gpu, sizeof(vec4) * VkDeviceSize(size.width) * size.height, vk::BufferUsageFlagBits::eTransferSrc,
                                      GpuBuffer::Place::Host)});
     }
-    // The images hold something, and are in the layout that frames find them in.
+    // Black, and in the layout that frames find them in.
     gpu.run([&](vk::CommandBuffer commands) {
+        const auto blacken = [&](const GpuImage& image) {
+            image.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eTransferDstOptimal);
+            commands.clearColorImage(image.handle(), vk::ImageLayout::eTransferDstOptimal,
+                                     vk::ClearColorValue(std::array{0.0f, 0.0f, 0.0f, 1.0f}),
+                                     vk::ImageSubresourceRange{vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1});
+            image.transition(commands, vk::ImageLayout::eTransferDstOptimal, vk::ImageLayout::eShaderReadOnlyOptimal);
+        };
         for (const Frame& frame : frames_) {
-            for (const GpuImage& image : frame.colours)
-                image.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eShaderReadOnlyOptimal);
+            for (const GpuImage& image : frame.colours) blacken(image);
+            blacken(frame.truth);
             for (const GpuImage& image : frame.depths)
                 image.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eDepthAttachmentOptimal);
-            frame.truth.transition(commands, vk::ImageLayout::eUndefined, vk::ImageLayout::eShaderReadOnlyOptimal);
         }
     });
     const auto sampled = [&](const GpuImage& image) {

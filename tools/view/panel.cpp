@@ -79,7 +79,7 @@ void Viewer::panelModels() {
         ImGui::EndCombo();
     }
     const View view = currentView();
-    if (!preparer_->isReady(wantedFor(settings.models[0], view))) ImGui::TextUnformatted("made ready ...");
+    if (!preparer_->isReady(wantedFor(settings.models[0], view), view)) ImGui::TextUnformatted("made ready ...");
     if (!settings.models[0] && view.lights.size() != 1) ImGui::TextUnformatted("a shadow map is drawn of the sun alone");
     if (settings.models[0]) ImGui::TextWrapped("%s", std::string(settings.models[0]->what).c_str());
     ImGui::Text("%.3g bytes a point, %.4g KiB in all", bytesAPoint(asset_), double(visibilityBytes(asset_)) / 1024);

@@ -54,7 +54,7 @@ Viewer::Viewer(Window& window, const Asset& asset, const std::string& file, cons
     const Model* const stored = storedModel(asset.info);
     settings.models = {stored ? stored : findModel("soft"), nullptr};
     renderer_.prepareSky(base_.sky);
-    preparer_.emplace(renderer_, rendererLock_, Stage::kFormat);
+    preparer_.emplace(window.gpu(), renderer_, rendererLock_, Stage::kFormat, 2 * Window::kFrames);
     tracer_.emplace(asset.scene, renderer_, rendererLock_);
 }
 
@@ -268,12 +268,13 @@ void Viewer::frame(bool scripted) {
     for (size_t i = 0; i < 2; ++i) {
         const Wanted wanted = wantedFor(settings.models[i], view);
         if (i == 1 && (!settings.split || settings.truth)) continue;
-        if (preparer_->isReady(wanted))
+        if (preparer_->isReady(wanted, view))
             shown_[i] = wanted;
         else
             waiting = true;
         // The model before, if it takes these lights.
-        if (shown_[i] && ((!shown_[i]->model && !mapped) || !preparer_->isReady(wantedFor(shown_[i]->model, view)))) shown_[i].reset();
+        if (shown_[i] && ((!shown_[i]->model && !mapped) || !preparer_->isReady(wantedFor(shown_[i]->model, view), view)))
+            shown_[i].reset();
         if (shown_[i]) shown_[i] = wantedFor(shown_[i]->model, view);
     }
     for (const auto& error : {preparer_->takeError(), tracer_->takeError()}) {

@@ -6,6 +6,7 @@
 
 #include "apertura/bake/measure/reference.h"
 #include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/render/draw.h"
 
 namespace apertura {
 namespace {
@@ -55,8 +56,8 @@ double relativeDifference(const Picture& a, const Picture& b) {
     return std::sqrt(sum / double(std::max<size_t>(a.pixels.size(), 1))) / std::max(meanOf(capped), 1e-9);
 }
 
-Preparer::Preparer(Renderer& renderer, RendererLock& lock, VkFormat format)
-    : renderer_(renderer), rendererLock_(lock), format_(format), thread_([this] { work(); }) {}
+Preparer::Preparer(const Gpu& gpu, Renderer& renderer, RendererLock& lock, VkFormat format, int spare)
+    : gpu_(gpu), renderer_(renderer), rendererLock_(lock), format_(format), spare_(spare), thread_([this] { work(); }) {}
 
 Preparer::~Preparer() {
     {
@@ -67,14 +68,32 @@ Preparer::~Preparer() {
     thread_.join();
 }
 
-bool Preparer::isReady(const Wanted& wanted) {
+bool Preparer::isReady(const Wanted& wanted, const View& view) {
     const std::lock_guard hold(lock_);
     if (ready_.contains(wanted)) return true;
-    if (!failed_.contains(wanted) && std::find(queue_.begin(), queue_.end(), wanted) == queue_.end()) {
-        queue_.push_front(wanted);
+    const bool isQueued = std::any_of(queue_.begin(), queue_.end(), [&](const auto& entry) { return entry.first == wanted; });
+    if (!failed_.contains(wanted) && !isQueued) {
+        queue_.emplace_front(wanted, view);
         changed_.notify_all();
     }
     return false;
+}
+
+void Preparer::prepare(const Wanted& wanted, View view) {
+    const std::lock_guard adding(rendererLock_);
+    const Offscreen small(gpu_, {16, 16}, vk::Format(format_));
+    if (wanted.model)
+        renderer_.prepare(*wanted.model, wanted.lightClass, format_, wanted.at, wanted.lights == 1 ? 1 : APERTURA_MAX_LIGHTS);
+    else
+        renderer_.prepareShadowMapped(format_);
+    gpu_.run([&](VkCommandBuffer commands) {
+        small.begin(commands);
+        if (wanted.model)
+            renderer_.record(commands, small.target(), view, *wanted.model, spare_, wanted.at);
+        else if (view.lights.size() == 1 && !aperturaIsSphere(view.lights[0]))
+            renderer_.recordShadowMapped(commands, small.target(), view, spare_);
+        small.end(commands);
+    });
 }
 
 bool Preparer::isBusy() const {
@@ -94,22 +113,18 @@ void Preparer::work() {
             changed_.wait(hold);
             continue;
         }
-        const Wanted wanted = queue_.front();
+        const auto [wanted, view] = queue_.front();
         busy_ = true;
         hold.unlock();
         std::optional<std::string> error;
         try {
-            const std::lock_guard adding(rendererLock_);
-            if (wanted.model)
-                renderer_.prepare(*wanted.model, wanted.lightClass, format_, wanted.at, wanted.lights == 1 ? 1 : APERTURA_MAX_LIGHTS);
-            else
-                renderer_.prepareShadowMapped(format_);
+            prepare(wanted, view);
         } catch (const std::exception& e) {
             error = e.what();
         }
         hold.lock();
         busy_ = false;
-        std::erase(queue_, wanted);
+        std::erase_if(queue_, [&, done = wanted](const auto& entry) { return entry.first == done; });
         (error ? failed_ : ready_).insert(wanted);
         if (error) error_ = error;
     }

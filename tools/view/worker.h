@@ -31,27 +31,32 @@ struct Wanted {
     }
 };
 
-// Prepares models, one after another, the last that was asked for first.
+// Prepares models, one after another, the last that was asked for first. Each is drawn once, small and unseen: drivers compile the last
+// part of a pipeline when it is first used.
 class Preparer {
 public:
-    Preparer(Renderer& renderer, RendererLock& lock, VkFormat format);
+    // `spare`: a frame of the renderer's that nobody else records without the lock.
+    Preparer(const Gpu& gpu, Renderer& renderer, RendererLock& lock, VkFormat format, int spare);
     ~Preparer();
 
-    // Whether it is ready; if not, it will be.
-    bool isReady(const Wanted& wanted);
+    // Whether it is ready; if not, it will be. `view`: one that is drawn so.
+    bool isReady(const Wanted& wanted, const View& view);
     bool isBusy() const;
     // Why a model could not be prepared, once.
     std::optional<std::string> takeError();
 
 private:
     void work();
+    void prepare(const Wanted& wanted, View view);
 
+    const Gpu& gpu_;
     Renderer& renderer_;
     RendererLock& rendererLock_;
     VkFormat format_;
+    int spare_;
     mutable std::mutex lock_;
     std::condition_variable changed_;
-    std::deque<Wanted> queue_;
+    std::deque<std::pair<Wanted, View>> queue_;
     std::set<Wanted> ready_, failed_;
     std::optional<std::string> error_;
     bool stop_ = false, busy_ = false;
