@@ -71,6 +71,7 @@ void encode(const std::filesystem::path& folder, const std::string& film, double
 std::vector<std::string> Film::filesOf(const std::string& out) const {
     if (frames == 0 || isFilm(out)) return {out};
     std::vector<std::string> all;
+    all.reserve(size_t(frames));
     for (int i = 0; i < frames; ++i) all.push_back(numbered(out, i));
     return all;
 }

@@ -35,9 +35,11 @@ glm::dvec3 vectorOf(const Json& light, const char* key, double most, const std::
 
 AperturaLight lightOf(const Json& light, const std::string& name) {
     if (!light.is_object()) throw Error(name + " is not an object");
+    const auto refuse = [&](const std::string& key) {
+        throw Error(name + ": there is no \"" + key + "\" (there are \"towards\", \"at\", \"radius\" and \"radiance\")");
+    };
     for (const auto& [key, value] : light.items())
-        if (key != "towards" && key != "at" && key != "radius" && key != "radiance")
-            throw Error(name + ": there is no \"" + key + "\" (there are \"towards\", \"at\", \"radius\" and \"radiance\")");
+        if (key != "towards" && key != "at" && key != "radius" && key != "radiance") refuse(key);
     const bool isLamp = light.contains("at");
     if (isLamp == light.contains("towards")) throw Error(name + " has neither \"towards\" nor \"at\", or both");
     for (const char* const key : {"radius", "radiance"})
