@@ -38,7 +38,7 @@ TEST(HeightMap, PngsAreReadAsIntegersOfEightAndSixteenBits) {
     expectHeights("heights_u16_alpha.png", 100, true);
 }
 
-TEST(HeightMap, TerrainRgbIsUnpackedToATenthOfAMetre) { expectHeights("heights_terrain_rgb.png", -100, false, 0.001f, {1, 1, 1, true}); }
+TEST(HeightMap, TerrainRgbIsUnpackedToATenthOfAMetre) { expectHeights("heights_terrain_rgb.png", -100, false, 0.001f, {0, 0, 1, true}); }
 
 TEST(HeightMap, TiffsOfIntegersLeaveOutWhatGdalCallsNoData) {
     expectHeights("heights_u16.tif", 100, false);

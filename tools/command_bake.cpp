@@ -2,7 +2,10 @@
 #include <filesystem>
 
 #include "apertura/bake/fit/faces.h"
+#include "apertura/bake/fit/terrain.h"
 #include "apertura/bake/fit/texels.h"
+#include "apertura/bake/scene/height_map.h"
+#include "apertura/bake/scene/height_mesh.h"
 #include "apertura/runtime/asset/asset.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
@@ -22,9 +25,12 @@ struct Arguments {
     HeightMapOptions map;
     BakeOptions bake;
     int bits = 8;
-    bool spacingGiven = false;
-    std::string price, at, as = "visibility", images;
+    bool isSwept = false;   // a height map, without rays
+    double meshError = -1;  // metres; negative: kMeshError
+    std::string price, at, as = "visibility", images, engine;
 };
+
+constexpr double kMeshError = 0.1;  // of a texel's side, that a height map's texels may lie above or below its mesh
 
 // Refuses, before anything is traced, names of images that cannot be written, or that are the scene's own.
 void requireImageFiles(const Arguments& a, const Scene& scene, ImageFormat format) {
@@ -42,6 +48,40 @@ void requireImageFiles(const Arguments& a, const Scene& scene, ImageFormat forma
     }
 }
 
+// The mesh that a height map is stored with: all of it, or as much of it as keeps the texels of its image within the error, metres.
+Scene meshToSweep(const Arguments& a, const HeightMap& map, double& error) {
+    const HeightField& field = map.field;
+    Surface surface;
+    if (a.bake.at == At::Texels) {
+        const double most = a.meshError >= 0 ? a.meshError : kMeshError * std::min(field.spacingX, field.spacingZ);
+        ProgressBar bar("meshing");
+        surface = decimatedMesh(field, most, bar.callback());
+        error = most;
+    } else {
+        surface = fullMesh(field);
+    }
+    if (surface.triangles.empty()) throw Error(a.scene + ": no three texels that meet have data");
+    Scene scene = terrainScene(a.scene, std::move(surface));
+    scene.notes = map.notes;
+    return scene;
+}
+
+void printSwept(const Arguments& a, const HeightField& field, const Scene& scene, const BakeInfo& info, const TerrainReport& report,
+                double bytes) {
+    std::printf("%s: %d x %d texels, swept along %d azimuths; %zu vertices, %zu triangles", a.out.c_str(), field.width, field.height,
+                report.azimuths, scene.surfaces[0].positions.size(), triangleCount(scene));
+    if (info.at == "texels")
+        std::printf(", from which the texels lie at most %.3g m away\n", info.meshError);
+    else
+        std::printf(", %.3g bytes a vertex\n", bytes);
+    if (info.model != "sh") return;
+    std::printf(
+        "  the sweep errs by %.3g of the hemisphere in area and %.3g degrees in direction (RMS at some texels, by exact horizons)\n",
+        report.areaError, report.directionError);
+    if (report.areaError > a.bake.error)
+        std::printf("  more azimuths would not bring it to the %.3g of --error: lines beside a texel see what it does not\n", a.bake.error);
+}
+
 void run(const Arguments& a) {
     if (std::filesystem::path(a.out).extension() != ".glb") throw CLI::ValidationError("-o " + a.out + " does not end in .glb");
     refuseToReplaceInput(a.scene, a.out);
@@ -51,7 +91,15 @@ void run(const Arguments& a) {
     info.scene = a.scene.starts_with("builtin:") ? a.scene : std::filesystem::path(a.scene).filename().string();
     requireStorable(info, a.scene);
     const ImageFormat format = a.images == "exr" ? ImageFormat::Exr : ImageFormat::Png;
-    const Scene scene = loadScene(a.scene, a.map, a.bake.at == At::Texels ? Coordinates::Read : Coordinates::Ignore);
+    HeightMap map;
+    Scene scene;
+    if (a.isSwept) {
+        map = loadHeights(a.scene, a.map);
+        requireMeshable(a.scene, map.field);
+        scene = meshToSweep(a, map, info.meshError);
+    } else {
+        scene = loadScene(a.scene, a.map, a.bake.at == At::Texels ? Coordinates::Read : Coordinates::Ignore);
+    }
     if (!a.images.empty()) requireImageFiles(a, scene, format);
     info.version = APERTURA_VERSION;
     info.model = a.model;
@@ -64,12 +112,19 @@ void run(const Arguments& a) {
     AutoPlan plan{};
     FaceReport report;
     TexelReport texels;
+    TerrainReport swept;
     {
         ProgressBar bar("baking");
         const Progress progress = bar.callback();
-        const Tracer tracer(scene, progress);
-        info.rayOffset = tracer.offset();
-        visibility = bakeScene(scene, tracer, a.bake, progress, &issues, &plan, &report, &texels);
+        if (a.isSwept) {
+            visibility = bakeTerrain(scene, map.field, a.bake, {0, a.bake.threads}, progress, &plan, &swept);
+            info.azimuths = swept.azimuths;
+            if (a.model == "sh") info.rays = 0;
+        } else {
+            const Tracer tracer(scene, progress);
+            info.rayOffset = tracer.offset();
+            visibility = bakeScene(scene, tracer, a.bake, progress, &issues, &plan, &report, &texels);
+        }
     }
     info.at = a.bake.at == At::Faces ? "faces" : a.bake.at == At::Texels && a.bake.as == As::Visibility ? "texels" : "vertices";
     info.unmetArea = report.unmet;
@@ -87,8 +142,12 @@ void run(const Arguments& a) {
         vertices += seen.visibility.size();
         for (const Visibility& v : seen.visibility) closed += v.area <= 0;
     }
-    std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices, triangleCount(scene),
-                a.bake.rays, bytesAPoint({{}, std::move(visibility), info}));
+    const double bytes = bytesAPoint({{}, std::move(visibility), info});
+    if (a.isSwept)
+        printSwept(a, map.field, scene, info, swept, bytes);
+    else
+        std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices,
+                    triangleCount(scene), a.bake.rays, bytes);
     const auto little = [](double error) {
         char text[32];
         std::snprintf(text, sizeof text, "%.3g", error);
@@ -120,8 +179,6 @@ void run(const Arguments& a) {
         std::printf("  %.3g %% of the surface errs more than is wanted%s\n", 100 * report.unmet,
                     report.full || report.overfull ? "" : "; finer samples would gain it too little for the bytes they take");
     if (report.buried > 0) std::printf("  %.3g %% of the surface lies inside solids and gets no samples\n", 100 * report.buried);
-    if (isHeightMap(a.scene) && !a.spacingGiven)
-        std::printf("  texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise\n");
     if (double(closed) > kNearlyAll * double(vertices))
         std::printf("  %zu of %zu vertices see nothing of the sky: a closed room, or faces that are wound inside out\n", closed, vertices);
     printNotes(scene.notes);
@@ -209,6 +266,23 @@ void addBakeCommand(CLI::App& program) {
         ->check(finiteRange(1, 1e12))
         ->type_name("N");
     addHeightMapOptions(command, a->map);
+    const char* const group = "Height maps";
+    command
+        .add_option("--engine", a->engine,
+                    "sweep: horizons, without rays, into an image of a texel for each of the map's over a decimated mesh, or with other "
+                    "models than sh at the vertices of all of it; or rays [sweep, but where --rays, --max-distance, --at faces or --as "
+                    "bent-normal ask for rays]")
+        ->check(CLI::IsMember({"sweep", "rays"}))
+        ->type_name("sweep|rays")
+        ->group(group);
+    command.add_option("--error", a->bake.error, "of the sweep: RMS of the open area over 2 pi, for which azimuths are added [0.005]")
+        ->check(finiteRange(1e-6, 1))
+        ->type_name("E")
+        ->group(group);
+    command.add_option("--mesh-error", a->meshError, "metres that texels may lie above or below the mesh [a tenth of a texel's side]")
+        ->check(finiteRange(0, 1e9))
+        ->type_name("M")
+        ->group(group);
     command.callback([a, &command] {
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
         if (command.count("--tolerance") > 0 && a->model != "auto") throw CLI::ValidationError("--tolerance is for --model auto");
@@ -217,6 +291,22 @@ void addBakeCommand(CLI::App& program) {
         if (command.count("--as") > 0 && a->at != "texels") throw CLI::ValidationError("--as is for --at texels");
         if (command.count("--texels") > 0 && isHeightMap(a->scene))
             throw CLI::ValidationError("--texels is not for height maps, whose images have a texel for each of theirs");
+        const std::string wantsRays = command.count("--rays") > 0 && a->model == "sh" ? "--rays"
+                                    : command.count("--max-distance") > 0             ? "--max-distance"
+                                    : a->at == "faces"                                ? "--at faces"
+                                    : a->as == "bent-normal"                          ? "--as bent-normal"
+                                    : a->bake.storageTolerance > 0                    ? "--storage-tolerance"
+                                    : a->bake.maxBytes > 0                            ? "--max-bytes"
+                                                                                      : "";
+        if (!a->engine.empty() && !isHeightMap(a->scene)) throw CLI::ValidationError("--engine is for height maps");
+        if (a->engine == "sweep" && !wantsRays.empty()) throw CLI::ValidationError(wantsRays + " is for --engine rays");
+        a->isSwept = isHeightMap(a->scene) && (a->engine.empty() ? wantsRays.empty() : a->engine == "sweep");
+        for (const char* const own : {"--error", "--mesh-error"})
+            if (command.count(own) > 0 && !a->isSwept) throw CLI::ValidationError(std::string(own) + " is for height maps that are swept");
+        if (a->isSwept && a->at.empty()) a->at = findRecipe(a->model)->name == "sh" ? "texels" : "vertices";
+        if (a->isSwept && a->at == "texels" && findRecipe(a->model)->name != "sh")
+            throw CLI::ValidationError("images hold the four numbers alone: --at vertices, or --model sh");
+        if (command.count("--mesh-error") > 0 && a->at != "texels") throw CLI::ValidationError("--mesh-error is for --at texels");
         if (!a->at.empty() && a->at != "faces" && (a->bake.storageTolerance > 0 || a->bake.maxBytes > 0))
             throw CLI::ValidationError("--storage-tolerance and --max-bytes are for --at faces");
         a->bake.at = a->at == "vertices" ? At::Vertices : a->at == "texels" ? At::Texels : At::Faces;
@@ -224,7 +314,6 @@ void addBakeCommand(CLI::App& program) {
         a->bake.bits = a->bits;
         a->bake.price = a->price == "bytes" ? Price::Bytes : a->price == "cycles" ? Price::Cycles : Price::Numbers;
         a->model = findRecipe(a->model)->name;
-        a->spacingGiven = command.count("--spacing") > 0;
         a->bake.recipe = findRecipe(a->model)->name;
         run(*a);
     });

@@ -77,6 +77,8 @@ nlohmann::ordered_json describe(const std::string& file) {
                                {"version", asset.info.version},
                                {"model", asset.info.model},
                                {"rays", asset.info.rays},
+                               {"azimuths", asset.info.azimuths},
+                               {"mesh_error", asset.info.meshError},
                                {"seed", asset.info.seed},
                                {"max_distance", asset.info.maxDistance},
                                {"hemisphere", asset.info.hemisphere},
@@ -109,11 +111,17 @@ nlohmann::ordered_json describe(const std::string& file) {
 void print(const nlohmann::ordered_json& d) {
     const auto text = [&](const char* key) { return printable(d[key].get<std::string>()); };
     std::printf("%s: baked by Apertura %s\n", text("file").c_str(), text("version").c_str());
-    std::printf("  model         %s, %d rays a vertex, seed %u, hemisphere about the %s\n", text("model").c_str(), d["rays"].get<int>(),
-                d["seed"].get<unsigned>(), text("hemisphere").c_str());
+    if (const int azimuths = d["azimuths"].get<int>(); azimuths > 0)
+        std::printf("  model         %s, swept along %d azimuths, hemisphere about the %s\n", text("model").c_str(), azimuths,
+                    text("hemisphere").c_str());
+    else
+        std::printf("  model         %s, %d rays a vertex, seed %u, hemisphere about the %s\n", text("model").c_str(), d["rays"].get<int>(),
+                    d["seed"].get<unsigned>(), text("hemisphere").c_str());
     if (d["max_distance"].get<double>() > 0) std::printf("  max distance  %g m\n", d["max_distance"].get<double>());
     std::printf("  geometry      %zu vertices, %zu triangles, %zu instances\n", d["vertices"].get<size_t>(), d["triangles"].get<size_t>(),
                 d["instances"].get<size_t>());
+    if (const double error = d["mesh_error"].get<double>(); error > 0)
+        std::printf("                the texels of its map lie at most %.3g m above or below it\n", error);
     std::printf("  stored        %.3g bytes a vertex, %d bits a number; %zu bytes in all\n", d["bytes_per_vertex"].get<double>(),
                 d["bits"].get<int>(), d["visibility_bytes"].get<size_t>());
     if (d["samples"].get<size_t>() > 0) {

@@ -11,6 +11,7 @@
 namespace apertura {
 
 void addBakeCommand(CLI::App& program);
+void addHorizonCommand(CLI::App& program);
 void addInfoCommand(CLI::App& program);
 void addRenderCommand(CLI::App& program);
 void addCompareCommand(CLI::App& program);

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
         apertura::addCompareCommand(program);
         apertura::addChartCommand(program);
         apertura::addStabilityCommand(program);
+        apertura::addHorizonCommand(program);
         apertura::addViewCommand(program);
         apertura::catchInterrupts();
         std::signal(SIGXFSZ, SIG_IGN);  // too large a file is then an error of write()

@@ -100,11 +100,16 @@ BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const Bak
                              MeshIssues* issues, AutoPlan* plan) {
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
-    const Progress placing = part(progress, 0, 0.1), choosing = part(progress, 0.1, 0.2),
-                   baking = part(progress, options.recipe == "auto" ? 0.2 : 0.1, 1);
-    const VertexPoints vertices = placeVertices(scene, tracer, placing, issues);
+    const VertexPoints vertices = placeVertices(scene, tracer, part(progress, 0, 0.1), issues);
+    return bakeAt(scene, RayOcclusion(tracer, options.maxDistance), vertices, options, part(progress, 0.1, 1), plan);
+}
+
+BakedVisibility bakeAt(const Scene& scene, const OcclusionSource& source, const VertexPoints& vertices, const BakeOptions& options,
+                       const Progress& progress, AutoPlan* plan) {
+    std::optional<tbb::global_control> limit;
+    if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.threads));
+    const Progress choosing = part(progress, 0, 0.1), baking = part(progress, options.recipe == "auto" ? 0.1 : 0, 1);
     const std::vector<SurfacePoint>& points = vertices.points;
-    const RayOcclusion source(tracer, options.maxDistance);
     BakeOptions bakeOptions = options;
     bakeOptions.terrain = scene.isTerrain;
     if (options.recipe == "auto") {

@@ -27,6 +27,7 @@ struct BakeOptions {
     double maxDistance = 0;          // bakeVertices only: metres beyond which nothing blocks; 0: no limit
     bool terrain = false;            // bakePoints only: see FitOptions; bakeVertices takes it from the scene
     int threads = 0;                 // 0: all cores
+    double error = 0.005;            // bakeTerrain only: RMS of area / 2 pi that it may err
     // bakeScene only:
     At at = At::Faces;
     double storageTolerance = 0;  // RMSE of E / (L pi sin^2 r), a light of 5 degrees, and of the sky's E over pi, that storing may add; 0:
@@ -62,6 +63,10 @@ std::vector<BakedPoint> bakePoints(const OcclusionSource& source, std::span<cons
 // `issues`, where given, receives what is doubtful in the scene's meshes, and `plan` what "auto" went by.
 BakedVisibility bakeVertices(const Scene& scene, const Tracer& tracer, const BakeOptions& options, const Progress& progress = {},
                              MeshIssues* issues = nullptr, AutoPlan* plan = nullptr);
+
+// The same at these points of vertices, by any source.
+BakedVisibility bakeAt(const Scene& scene, const OcclusionSource& source, const VertexPoints& vertices, const BakeOptions& options,
+                       const Progress& progress = {}, AutoPlan* plan = nullptr);
 
 // Bakes vertices and, where options.at asks for them, samples on faces. The four numbers of the recipe "sh" are fitted to points all over
 // the faces, and images hold these alone: Kavan, Bargteil & Sloan, "Least Squares Vertex Baking", 2011. The result does not depend on the

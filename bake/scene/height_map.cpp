@@ -3,10 +3,7 @@
 #include <Imath/half.h>
 #include <OpenImageIO/imageio.h>
 
-#include <tiffio.h>
-
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -14,6 +11,7 @@
 #include <fstream>
 #include <limits>
 
+#include "apertura/bake/scene/height_mesh.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/isolated.h"
 
@@ -21,31 +19,18 @@ namespace apertura {
 namespace {
 
 constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
-constexpr float kHighest = 100e3f;                 // metres; Olympus Mons rises 22 km
-constexpr double kMostTexelsAByte = 4096;          // four times what deflate reaches on zeros
-constexpr double kBytesAVertex = 450;              // of a mesh with two triangles per vertex; measured while baking
-constexpr int64_t kMostTexels = int64_t(1) << 26;  // 8192 squared; more would not fit into a .glb
+constexpr float kHighest = 100e3f;         // metres; Olympus Mons rises 22 km
+constexpr float kFarthest = 1e7f;          // metres, beyond which no height is believed
+constexpr double kMostTexelsAByte = 4096;  // four times what deflate reaches on zeros
+constexpr double kBytesAVertex = 450;      // of a mesh with two triangles per vertex; measured while baking
+constexpr double kBytesATexel = 16;        // of a field, while it is read
+constexpr int64_t kMostTexels = int64_t(1) << 32;
+constexpr size_t kMostVertices = size_t(1) << 26;  // 8192 squared; more would not fit into a .glb
 
 std::string oneLine(std::string cause) {
     std::replace(cause.begin(), cause.end(), '\n', ' ');
     while (!cause.empty() && cause.back() == ' ') cause.pop_back();
     return cause.empty() ? "damaged" : cause;
-}
-
-// The height that stands for "no data"; NaN if there is none. GDAL writes it into TIFF as text in a tag of its own, 42113,
-// which OpenImageIO does not read.
-float noDataValue(const std::string& path) {
-    TIFFSetWarningHandler(nullptr);
-    TIFF* tiff = TIFFOpen(path.c_str(), "r");
-    if (!tiff) return kVoid;
-    uint32_t count = 0;
-    const char* bytes = nullptr;
-    std::string text;
-    if (TIFFGetField(tiff, 42113, &count, &bytes) && bytes) text.assign(bytes, strnlen(bytes, count));
-    TIFFClose(tiff);
-    float value = kVoid;
-    std::from_chars(text.data(), text.data() + text.size(), value);
-    return value;
 }
 
 // One component as the file stores it: integers keep their value and are not scaled to 0..1.
@@ -84,17 +69,31 @@ std::string formatOf(const std::string& path) {
     return "tiff";
 }
 
-// Throws Error if a height is over 100 km: Terrarium tiles, which pack heights differently, come out as mountains of
-// 800 km when they are unpacked as Terrain-RGB.
-void requirePlausible(const std::vector<float>& heights) {
-    for (const float h : heights)
-        if (std::abs(h) > kHighest) {
-            char text[160];
+// Throws Error if a height cannot be: Terrarium tiles, which pack heights differently, come out as mountains of 800 km when they are
+// unpacked as Terrain-RGB.
+void requirePlausible(const std::vector<float>& heights, const HeightMapOptions& options) {
+    bool hasData = false;
+    for (const float h : heights) {
+        hasData = hasData || !std::isnan(h);
+        char text[200];
+        if (options.terrainRgb && std::abs(h) > kHighest * options.verticalScale) {
             std::snprintf(text, sizeof text,
                           "a height of %.0f km: its colours are not packed as Terrain-RGB (-10000 + 0.1 (65536 R + 256 G + B) m)",
-                          h / 1000);
+                          h / options.verticalScale / 1000);
             throw Error(text);
         }
+        if (std::abs(h) > kFarthest) {
+            std::snprintf(text, sizeof text, "a height of %.3g m: if that means that there is no data, it does not say so", double(h));
+            throw Error(text);
+        }
+    }
+    if (!hasData) throw Error("has no data at any texel");
+}
+
+void send(const std::string& text, PipeWriter& out) { out.put(std::vector<char>(text.begin(), text.end())); }
+std::string receiveText(PipeReader& in) {
+    const std::vector<char> text = in.take<char>();
+    return {text.begin(), text.end()};
 }
 
 }  // namespace
@@ -131,8 +130,27 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
     const bool whole = spec.tile_width <= 0 && spec.format == OIIO::TypeDesc::DOUBLE;
     const int rows = spec.tile_width > 0 ? std::clamp(spec.tile_height, 1, spec.height) : whole ? spec.height : 1;
     std::vector<unsigned char> raw(size_t(spec.width) * channels * spec.format.size() * rows);
-    HeightMap map{spec.width, spec.height, {}};
-    const float nothing = in->format_name() == std::string("tiff") ? noDataValue(path) : kVoid;
+    HeightMap map;
+    map.field.width = spec.width, map.field.height = spec.height;
+    std::vector<float>& heights = map.field.heights;
+    float nothing = kVoid;
+    if (in->format_name() == std::string("tiff")) {
+        GeoTiff tags = readGeoTiff(path, spec.height);
+        nothing = tags.noData;
+        map.georeference = std::move(tags.georeference);
+        map.grid = std::move(tags.grid);
+    }
+    if (options.spacingX > 0) {
+        map.field.spacingX = options.spacingX, map.field.spacingZ = options.spacingZ;
+    } else if (map.grid.spacingX > 0) {
+        map.field.spacingX = map.grid.spacingX, map.field.spacingZ = map.grid.spacingZ;
+        if (!map.grid.note.empty()) map.notes.push_back(map.grid.note);
+    } else if (!map.grid.fault.empty()) {
+        throw Error(map.grid.fault
+                    + (map.grid.fault.find("--spacing") == std::string::npos ? "; --spacing says how far apart its texels are" : ""));
+    } else {
+        map.notes.push_back("texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise");
+    }
     for (int y = 0; y < spec.height; ++y) {
         if (y % rows == 0) {
             const int first = spec.y + y, end = spec.y + std::min(y + rows, spec.height);
@@ -148,54 +166,67 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
             float height = float(options.terrainRgb ? -10000 + 0.1 * (65536 * value(0) + 256 * value(1) + value(2)) : value(0));
             const bool transparent = !options.terrainRgb && channels == 2 && value(1) == 0;
             if (height == nothing || !std::isfinite(height) || transparent) height = kVoid;
-            map.values.push_back(height);
+            heights.push_back(height * float(options.verticalScale));
         }
     }
-    if (options.terrainRgb) requirePlausible(map.values);
+    requirePlausible(heights, options);
     return map;
 }
 
-Scene loadHeightMap(const std::string& path, const HeightMapOptions& options, Coordinates coordinates) {
+HeightMap loadHeights(const std::string& path, const HeightMapOptions& options) {
     HeightMap map;
-    const auto send = [&](PipeWriter& out) {
+    const auto work = [&](PipeWriter& out) {
         const HeightMap read = readHeights(path, options);
-        out.put(std::vector{read.width, read.height});
-        out.put(read.values);
+        out.put(std::vector{read.field.width, read.field.height});
+        out.put(std::vector{read.field.spacingX, read.field.spacingZ, read.grid.spacingX, read.grid.spacingZ, read.grid.latitude,
+                            double(read.grid.isGeographic), double(read.grid.isTurned)});
+        for (const std::string& text : {read.grid.fault, read.grid.note}) send(text, out);
+        out.put(std::vector{read.notes.size()});
+        for (const std::string& note : read.notes) send(note, out);
+        read.georeference.send(out);
+        out.put(read.field.heights);
     };
     const auto receive = [&](PipeReader& in) {
         const std::vector<int> size = in.take<int>();
         requireMemory(path, std::to_string(size.at(0)) + " x " + std::to_string(size.at(1)) + " texels",
-                      double(size.at(0)) * size.at(1) * kBytesAVertex);
-        map = {size.at(0), size.at(1), in.take<float>()};
+                      double(size.at(0)) * size.at(1) * kBytesATexel);
+        const std::vector<double> grid = in.take<double>();
+        map.field.width = size.at(0), map.field.height = size.at(1);
+        map.field.spacingX = grid.at(0), map.field.spacingZ = grid.at(1);
+        map.grid = {grid.at(2), grid.at(3), grid.at(4), grid.at(5) != 0, {}, {}, grid.at(6) != 0};
+        map.grid.fault = receiveText(in), map.grid.note = receiveText(in);
+        for (size_t i = 0, count = in.take<size_t>().at(0); i < count; ++i) map.notes.push_back(receiveText(in));
+        map.georeference = Georeference::receive(in);
+        map.field.heights = in.take<float>();
+        if (map.field.heights.size() != map.field.texels()) throw Error("its heights were lost");
     };
-    runIsolated(path, limitsFor(path, 10), send, receive);
+    runIsolated(path, limitsFor(path, 10), work, receive);
+    return map;
+}
+
+void requireMeshable(const std::string& name, const HeightField& field) {
+    const std::string size = std::to_string(field.width) + " x " + std::to_string(field.height) + " texels";
+    if (field.texels() > kMostVertices) throw Error(name + ": " + size + " are more than an asset can hold");
+    requireMemory(name, "the mesh of " + size, kBytesAVertex * double(field.texels()));
+}
+
+Scene terrainScene(const std::string& name, Surface surface) {
     Scene scene;
-    scene.name = path;
+    scene.name = name;
     scene.isTerrain = true;
-    Surface surface;
-    const double x0 = -0.5 * (map.width - 1) * options.spacingX, z0 = -0.5 * (map.height - 1) * options.spacingZ;
-    std::vector<uint32_t> vertex(map.values.size(), UINT32_MAX);
-    auto at = [&](int x, int y) { return size_t(y) * map.width + x; };
-    for (int y = 0; y < map.height; ++y)
-        for (int x = 0; x < map.width; ++x)
-            if (const float h = map.values[at(x, y)]; !std::isnan(h)) {
-                vertex[at(x, y)] = uint32_t(surface.positions.size());
-                surface.positions.emplace_back(float(x0 + x * options.spacingX), float(h * options.verticalScale),
-                                               float(z0 + y * options.spacingZ));
-                if (coordinates == Coordinates::Read)
-                    surface.coordinates.emplace_back((float(x) + 0.5f) / float(map.width), (float(y) + 0.5f) / float(map.height));
-            }
-    for (int y = 0; y + 1 < map.height; ++y)
-        for (int x = 0; x + 1 < map.width; ++x) {
-            const uint32_t a = vertex[at(x, y)], b = vertex[at(x + 1, y)], c = vertex[at(x, y + 1)], d = vertex[at(x + 1, y + 1)];
-            if (a != UINT32_MAX && b != UINT32_MAX && c != UINT32_MAX) surface.triangles.push_back({a, c, b});
-            if (b != UINT32_MAX && c != UINT32_MAX && d != UINT32_MAX) surface.triangles.push_back({b, c, d});
-        }
-    makeNormals(surface);
-    if (coordinates == Coordinates::Read) surface.grid = {map.width, map.height};
     scene.surfaces.push_back(std::move(surface));
     scene.instances.push_back({0});
     validate(scene);
+    return scene;
+}
+
+Scene loadHeightMap(const std::string& path, const HeightMapOptions& options, Coordinates coordinates) {
+    const HeightMap map = loadHeights(path, options);
+    requireMeshable(path, map.field);
+    Surface surface = fullMesh(map.field);
+    if (coordinates == Coordinates::Ignore) surface.coordinates.clear(), surface.grid = {0, 0};
+    Scene scene = terrainScene(path, std::move(surface));
+    scene.notes = map.notes;
     return scene;
 }
 

@@ -10,7 +10,7 @@ namespace apertura {
 
 // How a height map is read. Other files ignore it.
 struct HeightMapOptions {
-    double spacingX = 1, spacingZ = 1;  // metres between texels to the east and to the south, > 0
+    double spacingX = 0, spacingZ = 0;  // metres between texels to the east and to the south; 0: those that the file states, else 1
     double verticalScale = 1;           // metres per unit of height, > 0
     bool terrainRgb = false;            // the height is -10000 + 0.1 (65536 R + 256 G + B) metres
 };

@@ -107,6 +107,7 @@ Json describe(const BakeInfo& info) {
              {"rayOffset", info.rayOffset},
              {"hemisphere", info.hemisphere},
              {"at", info.at}};
+    if (info.azimuths > 0) out["azimuths"] = info.azimuths, out["meshError"] = info.meshError;
     if (info.unmetArea > 0) out["unmetArea"] = info.unmetArea;
     if (!info.price.empty()) out["price"] = info.price;
     if (!info.alone.empty()) out["alone"] = info.alone;
@@ -247,6 +248,8 @@ BakeInfo readInfo(const Json& said, const std::string& name) {
         throw Error(name + ": was baked for a model that is not known here");
     info.rays = int(std::clamp(number("rays", 0), 0.0, 1e9));
     info.seed = uint32_t(std::clamp(number("seed", 0), 0.0, 4294967295.0));
+    info.azimuths = int(std::clamp(number("azimuths", 0), 0.0, 1e9));
+    info.meshError = number("meshError", 0);
     info.maxDistance = number("maxDistance", 0);
     info.rayOffset = number("rayOffset", 0);
     info.hemisphere = text("hemisphere");

@@ -17,7 +17,9 @@ struct BakeInfo {
     double tolerance = 0;      // RMSE that "auto" kept within; 0 for other models
     std::string price;         // what "auto" spent least of: numbers, bytes or cycles; empty for other models
     std::string alone;         // the least model that would keep the tolerance as the scene's only one, or "none"; empty: not known
-    int rays = 256;            // per vertex
+    int rays = 256;            // per vertex; 0: swept
+    int azimuths = 0;          // of a height map that was swept, along which; else 0
+    double meshError = 0;      // metres that its texels lie above or below its mesh, at most
     int bits = 8;              // per component, 8 or 16
     uint32_t seed = 1;
     double maxDistance = 0;  // metres beyond which nothing blocks; 0: no limit

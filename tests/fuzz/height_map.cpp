@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const std::string path = apertura::fuzz::scratch() / "map";
     std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data), std::streamsize(size));
     try {
-        apertura::readHeights(path, {1, 1, 1, size % 2 == 0});  // packed in colours, or not
+        apertura::readHeights(path, {0, 0, 1, size % 2 == 0});  // packed in colours, or not
     } catch (const apertura::Error&) {
     }
     return 0;

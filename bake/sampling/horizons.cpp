@@ -1,0 +1,172 @@
+#include "apertura/bake/sampling/horizons.h"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/horizon_exact.h"
+#include "apertura/bake/sampling/horizon_sweep.h"
+#include "apertura/bake/sampling/sweep_fields.h"
+
+namespace apertura {
+namespace {
+
+using std::numbers::pi;
+
+constexpr int kGroupsATask = 2;  // of lines
+constexpr int kFewestAzimuths = 8;
+constexpr double kSameAzimuth = 1e-9;                // radians
+constexpr int kTrueTexels = 96, kTrueAzimuths = 64;  // where and by which sums over azimuths are judged
+
+void sweep(SweepFields& fields, SweepCourse course, const SweepHorizons& keep) {
+    SweepField& field = course.columns ? fields.columns : fields.rows;
+    for (int way = 0; way < 2; ++way) course.direction.crossings[way] = crossingsOf(field, course, way, kNear);
+    const int groups = sweepGroups(field, course.direction);
+    tbb::parallel_for(tbb::blocked_range<int>(0, groups, kGroupsATask),
+                      [&](const tbb::blocked_range<int>& range) { sweepLines(field, course.direction, range.begin(), range.end(), keep); });
+}
+
+// What a texel sees by exact horizons.
+struct TexelTruth {
+    int x, y;
+    float area;
+    glm::vec3 direction;
+};
+
+std::vector<TexelTruth> truthOf(const HeightField& field, const SweepFields& fields, double curvature) {
+    std::vector<TexelTruth> out;
+    for (uint64_t i = 0; out.size() < kTrueTexels && i < 100 * kTrueTexels; ++i) {
+        const int x = int(hashUnit(1, i, 0) * field.width), y = int(hashUnit(1, i, 1) * field.height);
+        if (!std::isnan(field.heights[size_t(y) * size_t(field.width) + size_t(x)])) out.push_back({x, y, 0, glm::vec3(0)});
+    }
+    const HighestHeights ofRows(fields.rows), ofColumns(fields.columns);
+    std::vector<std::vector<float>> tangents(kTrueAzimuths, std::vector<float>(out.size()));
+    tbb::parallel_for(0, kTrueAzimuths, [&](int k) {
+        const SweepCourse course = courseOf(field, 2 * pi * k / kTrueAzimuths, curvature);
+        const ExactHorizons horizons(course.columns ? fields.columns : fields.rows, course.columns ? ofColumns : ofRows, course,
+                                     course.backwards, 0);
+        for (size_t i = 0; i < out.size(); ++i)
+            tangents[size_t(k)][i] = horizons.tangents(course.columns ? out[i].x : out[i].y, course.columns ? out[i].y : out[i].x)[0];
+    });
+    for (size_t i = 0; i < out.size(); ++i) {
+        const glm::vec2 slope = fields.slopeAt(out[i].x, out[i].y);
+        glm::dvec4 sum(0);
+        for (int k = 0; k < kTrueAzimuths; ++k) {
+            const double azimuth = 2 * pi * k / kTrueAzimuths, east = std::sin(azimuth), south = -std::cos(azimuth);
+            const double h = std::atan(std::max(double(tangents[size_t(k)][i]), east * slope.x + south * slope.y));
+            const double along = (pi / 2 - h) / 2 - std::sin(2 * h) / 4;
+            sum += glm::dvec4(along * east, std::cos(h) * std::cos(h) / 2, along * south, 1 - std::sin(h));
+        }
+        sum *= 2 * pi / kTrueAzimuths;
+        out[i].area = float(sum.w), out[i].direction = glm::vec3(sum);
+    }
+    return out;
+}
+
+double angleBetween(const glm::vec3& a, const glm::vec3& b) {
+    const double length = double(glm::length(a)) * double(glm::length(b));
+    return length > 0 ? std::acos(std::clamp(double(glm::dot(a, b)) / length, -1.0, 1.0)) : 0;
+}
+
+std::optional<tbb::global_control> limitTo(int threads) {
+    std::optional<tbb::global_control> limit;
+    if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads));
+    return limit;
+}
+
+}  // namespace
+
+OpenSky openSky(const HeightField& field, double error, const HorizonOptions& options, const Progress& progress) {
+    const auto limit = limitTo(options.threads);
+    SweepFields fields(field, true);
+    const std::vector<TexelTruth> truth = truthOf(field, fields, options.curvature);
+    OpenSky out;
+    for (int azimuths = kFewestAzimuths; azimuths <= kMostAzimuths; azimuths *= 2) {
+        const bool first = azimuths == kFewestAzimuths;
+        for (int k = first ? 0 : 1; k < azimuths / 2; k += first ? 1 : 2) {
+            sweep(fields, courseOf(field, 2 * pi * k / azimuths, options.curvature), {});
+            throwIfStopped(progress, 0.9 * (azimuths / 2 + (first ? k - azimuths / 2 : k)) / kMostAzimuths);
+        }
+        out.azimuths = azimuths;
+        double areas = 0, angles = 0;
+        for (const TexelTruth& t : truth) {
+            const glm::vec4 found = fields.sumAt(t.x, t.y) * float(2 * pi / azimuths);
+            areas += std::pow((found.w - t.area) / (2 * pi), 2);
+            angles += std::pow(angleBetween(glm::vec3(found), t.direction), 2);
+        }
+        out.areaError = std::sqrt(areas / double(truth.size()));
+        out.directionError = std::sqrt(angles / double(truth.size())) * 180 / pi;
+        if (out.areaError <= error) break;
+    }
+    const auto scale = float(2 * pi / out.azimuths);
+    const SweepField &r = fields.rows, &c = fields.columns;
+    out.area.resize(field.texels());
+    out.direction.resize(field.texels());
+    std::vector<float> ofColumns;
+    const auto take = [&](const std::vector<float>& rows, const std::vector<float>& columns, const auto& to) {
+        fields.turnBack(columns, ofColumns);
+        tbb::parallel_for(0, field.height, [&](int y) {
+            const size_t row = size_t(y) * size_t(field.width);
+            const float* ofRows = &rows[r.at(y, 0)];
+            for (int x = 0; x < field.width; ++x) to(row + size_t(x)) = scale * (ofRows[x] + ofColumns[row + size_t(x)]);
+        });
+    };
+    take(r.area, c.area, [&](size_t texel) -> float& { return out.area[texel]; });
+    take(r.horizontal[1], c.horizontal[0], [&](size_t texel) -> float& { return out.direction[texel].x; });
+    take(r.vertical, c.vertical, [&](size_t texel) -> float& { return out.direction[texel].y; });
+    take(r.horizontal[0], c.horizontal[1], [&](size_t texel) -> float& { return out.direction[texel].z; });
+    return out;
+}
+
+void findHorizons(const HeightField& field, std::span<const double> azimuths, const HorizonOptions& options,
+                  const std::function<void(size_t, std::span<const float>)>& use, const Progress& progress) {
+    const auto limit = limitTo(options.threads);
+    SweepFields fields(field, false);
+    std::optional<HighestHeights> ofRows, ofColumns;
+    if (options.isExact) ofRows.emplace(fields.rows), ofColumns.emplace(fields.columns);
+    std::vector<float> tangents[2], rows(field.texels());
+    for (std::vector<float>& t : tangents) t.resize(std::max(fields.rows.size(), fields.columns.size()));
+    std::vector<bool> isDone(azimuths.size(), false);
+    for (size_t k = 0; k < azimuths.size(); ++k) {
+        if (isDone[k]) continue;
+        const SweepCourse course = courseOf(field, azimuths[k], options.curvature);
+        const SweepField& across = course.columns ? fields.columns : fields.rows;
+        // Which of the azimuths lies forwards along the course, and which backwards.
+        size_t opposite = k + 1;
+        while (opposite < azimuths.size() && std::abs(std::remainder(azimuths[opposite] - azimuths[k] - pi, 2 * pi)) > kSameAzimuth)
+            ++opposite;
+        size_t along[2] = {k, opposite};
+        if (course.backwards) std::swap(along[0], along[1]);
+        if (!options.isExact) sweep(fields, course, {{tangents[0].data(), tangents[1].data()}});
+        for (size_t way = 0; way < 2; ++way) {
+            if (along[way] == azimuths.size()) continue;
+            if (options.isExact) {
+                const ExactHorizons exact(across, course.columns ? *ofColumns : *ofRows, course, int(way), options.farthest);
+                tbb::parallel_for(0, across.along, [&](int a) {
+                    for (int b = 0; b < across.across; b += kLanes) store(&tangents[way][across.at(a, b)], exact.tangents(a, b));
+                });
+            }
+            if (course.columns) fields.turnBack(tangents[way], rows);
+            tbb::parallel_for(0, field.height, [&](int y) {
+                const size_t row = size_t(y) * size_t(field.width);
+                const float *from = course.columns ? &rows[row] : &tangents[way][fields.rows.at(y, 0)],
+                            *heights = &fields.rows.heights[fields.rows.at(y, 0)];
+                for (int x = 0; x < field.width; ++x)
+                    rows[row + size_t(x)] = from[x] > kNoHorizon && heights[x] > SweepField::kNone / 2
+                                              ? from[x]
+                                              : -std::numeric_limits<float>::infinity();
+            });
+            use(along[way], rows);
+            isDone[along[way]] = true;
+            throwIfStopped(progress, double(std::count(isDone.begin(), isDone.end(), true)) / double(azimuths.size()));
+        }
+    }
+}
+
+}  // namespace apertura

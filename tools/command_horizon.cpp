@@ -1,0 +1,182 @@
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+
+#include "apertura/bake/sampling/horizons.h"
+#include "apertura/bake/scene/height_map.h"
+#include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/isolated.h"
+#include "tools/commands.h"
+#include "tools/sun.h"
+#include "tools/terminal.h"
+
+namespace apertura {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kEarth = 6371000;   // metres, the mean radius
+constexpr double kMinutesAStep = 5;  // of the sun's way
+constexpr double kBytesATexel = 36;  // of a field, both its ways through memory, and results
+constexpr double kExactBytes = 4;    // more
+constexpr float kNothing = -std::numeric_limits<float>::infinity();
+
+struct Arguments {
+    std::string map, out, quantity = "horizons";
+    HeightMapOptions options;
+    HorizonOptions horizons;
+    int azimuths = 16;
+    bool isCurved = false;
+    double refraction = 0.13, latitude = 1000, day = 0, memory = 0;
+};
+
+// What is written of a map: bands, and the azimuths that they are made from.
+struct Product {
+    std::vector<std::string> descriptions;
+    std::vector<double> azimuths;    // radians
+    std::vector<double> elevations;  // of the sun at each of them; empty: none
+};
+
+Product productOf(const Arguments& a) {
+    Product out;
+    if (a.quantity == "sun-hours") {
+        const double latitude = a.latitude * pi / 180, declination = sunDeclination(a.day), step = kMinutesAStep / 60;
+        for (double hour = step / 2; hour < 24; hour += step)
+            if (const SunPosition sun = sunAt(latitude, declination, hour); sun.elevation > 0)
+                out.azimuths.push_back(sun.azimuth), out.elevations.push_back(sun.elevation);
+        out.descriptions = {"hours of sun on day " + std::to_string(int(a.day))};
+        return out;
+    }
+    for (int k = 0; k < a.azimuths; ++k) {
+        out.azimuths.push_back(2 * pi * k / a.azimuths);
+        char text[80];
+        std::snprintf(text, sizeof text, "horizon towards %.10g degrees from north by east, degrees", 360.0 * k / a.azimuths);
+        if (a.quantity == "horizons") out.descriptions.emplace_back(text);
+    }
+    if (a.quantity == "sky-view") out.descriptions = {"sky-view factor, 0..1"};
+    if (a.quantity == "openness") out.descriptions = {"positive openness, degrees"};
+    return out;
+}
+
+// What one azimuth adds to a band that is made of all of them. Directions without terrain count as a horizon of 0: Zaksek, Ostir & Kokalj,
+// "Sky-View Factor as a Relief Visualization Technique", 2011.
+double shareOf(const Arguments& a, const Product& product, size_t azimuth, float tangent) {
+    const double h = tangent == kNothing ? 0 : std::atan(double(tangent));
+    if (a.quantity == "sky-view") return (1 - std::sin(std::max(h, 0.0))) / double(product.azimuths.size());
+    if (a.quantity == "openness") return (90 - h * 180 / pi) / double(product.azimuths.size());
+    return product.elevations[azimuth] > (tangent == kNothing ? -pi / 2 : h) ? kMinutesAStep / 60 : 0;
+}
+
+void run(Arguments a) {
+    const std::string ending = std::filesystem::path(a.out).extension().string();
+    if (ending != ".tif" && ending != ".tiff") throw CLI::ValidationError("-o " + a.out + " ends neither in .tif nor in .tiff");
+    if (!isHeightMap(a.map)) throw CLI::ValidationError(a.map + " is no height map, .png .tif .tiff .exr");
+    refuseToReplaceInput(a.map, a.out);
+    requireWritable(a.out);
+    requireOrdinaryFile(a.map);
+    const HeightMap map = loadHeights(a.map, a.options);
+    const HeightField& field = map.field;
+    if (map.grid.isTurned) throw Error(a.map + ": " + map.grid.fault + ", so that its rows do not tell where north is");
+    if (a.quantity == "sun-hours" && a.latitude > 90) {
+        if (!map.grid.isGeographic) throw CLI::ValidationError("--latitude: " + a.map + " does not say where it lies");
+        a.latitude = map.grid.latitude;
+    }
+    const double bytes = double(field.texels()) * (kBytesATexel + (a.horizons.isExact ? kExactBytes : 0));
+    if (a.memory > 0 && bytes > a.memory * 1e9) {
+        char text[160];
+        std::snprintf(text, sizeof text, ": %d x %d texels take %.3g GB, more than --memory", field.width, field.height, bytes / 1e9);
+        throw Error(a.map + text);
+    }
+    requireMemory(a.map, std::to_string(field.width) + " x " + std::to_string(field.height) + " texels", bytes);
+    if (a.isCurved) a.horizons.curvature = (1 - a.refraction) / (2 * kEarth);
+    const Product product = productOf(a);
+    {
+        ProgressBar bar("sweeping");
+        const auto writeBands = [&](const auto& put) {
+            std::vector<float> band(field.texels(), 0);
+            const auto hide = [&] {
+                for (size_t i = 0; i < band.size(); ++i)
+                    if (std::isnan(field.heights[i])) band[i] = std::numeric_limits<float>::quiet_NaN();
+            };
+            const auto use = [&](size_t k, std::span<const float> tangents) {
+                const bool isSum = a.quantity != "horizons";
+                tbb::parallel_for(size_t(0), size_t(field.height), [&](size_t y) {
+                    for (size_t i = y * size_t(field.width); i < (y + 1) * size_t(field.width); ++i)
+                        band[i] = isSum ? band[i] + float(shareOf(a, product, k, tangents[i]))
+                                        : float(std::atan(double(tangents[i])) * 180 / pi);
+                });
+                if (isSum) return;
+                hide();
+                put(int(k), band);
+            };
+            findHorizons(field, product.azimuths, a.horizons, use, bar.callback());
+            if (a.quantity == "horizons") return;
+            hide();
+            put(0, band);
+        };
+        writeGeoTiff(a.out, field.width, field.height, map.georeference, product.descriptions, writeBands);
+    }
+    std::printf("%s: %d x %d texels, %s%s of %zu azimuths\n", a.out.c_str(), field.width, field.height, a.horizons.isExact ? "exact " : "",
+                a.quantity.c_str(), product.azimuths.size());
+    printNotes(map.notes);
+}
+
+}  // namespace
+
+void addHorizonCommand(CLI::App& program) {
+    auto a = std::make_shared<Arguments>();
+    CLI::App& command = *program.add_subcommand("horizon", "horizons, sky view and hours of sun of a height map, as a GeoTIFF");
+    command.footer(
+        "horizons: band k holds the angle of the horizon above the horizontal, degrees, towards 360 k / N degrees from the map's north by\n"
+        "east; it may be negative, and is -90 where the map ends at the texel. sky-view: the part of the sky over a level ground that is\n"
+        "open, 0..1. openness: the mean angle from the zenith to the horizon, degrees. sun-hours: how long the sun's middle stands above\n"
+        "the horizontal and the terrain. Where the map has no data they have none: -9999. What lies between texels is two triangles a\n"
+        "cell, whose diagonal runs from the north-east to the south-west.\n"
+        "Example: apertura horizon alps.tif -o sky.tif --quantity sky-view --azimuths 32");
+    command.add_option("MAP", a->map, "a height map, .png .tif .exr")->required();
+    command.add_option("-o", a->out, "32-bit floats, where MAP lies")->required()->type_name("OUT.tif");
+    command.add_option("--azimuths", a->azimuths, "how many [16]")->check(CLI::Range(1, 3600))->type_name("N");
+    command.add_flag(
+        "--exact", a->horizons.isExact,
+        "along a line through each texel itself; without it horizons are swept, and err by .3 to .6 degrees (RMS) on mountains");
+    command.add_option("--quantity", a->quantity, "[horizons]")
+        ->check(CLI::IsMember({"horizons", "sky-view", "openness", "sun-hours"}))
+        ->type_name("horizons|sky-view|openness|sun-hours");
+    command.add_option("--latitude", a->latitude, "degrees north, of sun-hours [of the map's middle, where it is in degrees]")
+        ->check(finiteRange(-90, 90))
+        ->type_name("D");
+    command.add_option("--day", a->day, "of the year, of sun-hours")->check(CLI::Range(1, 366))->type_name("N");
+    command.add_flag("--curvature", a->isCurved, "the ground falls away as the earth is round");
+    command.add_option("--refraction", a->refraction, "with --curvature, how much of it the air takes back [0.13]")
+        ->check(finiteRange(0, 1))
+        ->type_name("K");
+    command.add_option("--max-distance", a->horizons.farthest, "with --exact, metres beyond which nothing hides anything [no limit]")
+        ->check(finiteRange(1e-3, 1e9))
+        ->type_name("M");
+    command.add_option("--memory", a->memory, "gigabytes that it may take [half of this machine's]")
+        ->check(finiteRange(1e-3, 1e6))
+        ->type_name("G");
+    command.add_option("--threads", a->horizons.threads, "[all cores]; the result is the same for any number")
+        ->check(CLI::Range(1, 1024))
+        ->type_name("T");
+    addHeightMapOptions(command, a->options);
+    command.callback([a, &command] {
+        const auto given = [&](const char* option) { return command.count(option) > 0; };
+        if (given("--max-distance") && !a->horizons.isExact) throw CLI::ValidationError("--max-distance is for --exact");
+        if (given("--refraction") && !a->isCurved) throw CLI::ValidationError("--refraction is for --curvature");
+        const bool isSun = a->quantity == "sun-hours";
+        if (isSun && !given("--day")) throw CLI::ValidationError("--quantity sun-hours needs --day");
+        for (const char* const own : {"--day", "--latitude"})
+            if (given(own) && !isSun) throw CLI::ValidationError(std::string(own) + " is for --quantity sun-hours");
+        if (isSun && given("--azimuths")) throw CLI::ValidationError("--azimuths is not for sun-hours, which follow the sun");
+        run(*a);
+    });
+}
+
+}  // namespace apertura
