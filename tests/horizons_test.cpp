@@ -120,7 +120,7 @@ double horizonByRays(const Tracer& tracer, const glm::dvec3& from, double azimut
 
 TEST(Horizons, AreThoseOfRaysOnTheStatedTriangles) {
     const HeightField field = mountains(61, 47, 30, 42);  // cells that are not square
-    const Scene scene = terrainScene("mountains", fullMesh(field));
+    const Scene scene = terrainScene("mountains", {fullMesh(field)});
     const Tracer tracer(scene);
     const std::vector<double> degrees{0, 11.25, 33.75, 45, 90, 112.5, 200, 271};
     const auto exact = horizonsOf(field, degrees, exactly()), swept = horizonsOf(field, degrees);
@@ -217,7 +217,7 @@ TEST(OpenSky, IsWhatManyRaysSee) {
     HeightField field = mountains(150, 130, 30, 36);
     field.heights[70 * 150 + 70] = kHole;
     const OpenSky sky = openSky(field, 0.005, {});
-    const Scene scene = terrainScene("mountains", fullMesh(field));
+    const Scene scene = terrainScene("mountains", {fullMesh(field)});
     const Surface& surface = scene.surfaces[0];
     const Tracer tracer(scene);
     std::vector<SurfacePoint> points;
@@ -312,7 +312,7 @@ TEST(Horizons, NothingIsHiddenByTexelsWithoutData) {
 
 TEST(HorizonOcclusion, BlocksWhatRaysFindBlocked) {
     const HeightField field = mountains(64, 64, 30, 30);
-    const Scene scene = terrainScene("mountains", fullMesh(field));
+    const Scene scene = terrainScene("mountains", {fullMesh(field)});
     const Tracer tracer(scene);
     const HorizonOcclusion horizons(field, 64, {});
     const RayOcclusion rays(tracer);
@@ -334,7 +334,7 @@ TEST(HorizonOcclusion, BlocksWhatRaysFindBlocked) {
 
 TEST(BakeTerrain, FitsModelsToHorizonsAsToRays) {
     const HeightField field = mountains(40, 40, 30, 30, 12);
-    const Scene scene = terrainScene("mountains", fullMesh(field));
+    const Scene scene = terrainScene("mountains", {fullMesh(field)});
     BakeOptions options;
     options.recipe = "firm-2", options.at = At::Vertices, options.rays = 256;
     const BakedVisibility swept = bakeTerrain(scene, field, options, {});

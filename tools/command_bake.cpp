@@ -51,25 +51,25 @@ void requireImageFiles(const Arguments& a, const Scene& scene, ImageFormat forma
 // The mesh that a height map is stored with: all of it, or as much of it as keeps the texels of its image within the error, metres.
 Scene meshToSweep(const Arguments& a, const HeightMap& map, double& error) {
     const HeightField& field = map.field;
-    Surface surface;
+    std::vector<Surface> tiles;
     if (a.bake.at == At::Texels) {
         const double most = a.meshError >= 0 ? a.meshError : kMeshError * std::min(field.spacingX, field.spacingZ);
         ProgressBar bar("meshing");
-        surface = decimatedMesh(field, most, bar.callback());
+        tiles = decimatedMesh(field, most, bar.callback());
         error = most;
     } else {
-        surface = fullMesh(field);
+        tiles.push_back(fullMesh(field));
     }
-    if (surface.triangles.empty()) throw Error(a.scene + ": no three texels that meet have data");
-    Scene scene = terrainScene(a.scene, std::move(surface));
+    if (tiles.empty() || tiles[0].triangles.empty()) throw Error(a.scene + ": no three texels that meet have data");
+    Scene scene = terrainScene(a.scene, std::move(tiles));
     scene.notes = map.notes;
     return scene;
 }
 
 void printSwept(const Arguments& a, const HeightField& field, const Scene& scene, const BakeInfo& info, const TerrainReport& report,
-                double bytes) {
+                size_t vertices, double bytes) {
     std::printf("%s: %d x %d texels, swept along %d azimuths; %zu vertices, %zu triangles", a.out.c_str(), field.width, field.height,
-                report.azimuths, scene.surfaces[0].positions.size(), triangleCount(scene));
+                report.azimuths, vertices, triangleCount(scene));
     if (info.at == "texels")
         std::printf(", from which the texels lie at most %.3g m away\n", info.meshError);
     else
@@ -144,7 +144,7 @@ void run(const Arguments& a) {
     }
     const double bytes = bytesAPoint({{}, std::move(visibility), info});
     if (a.isSwept)
-        printSwept(a, map.field, scene, info, swept, bytes);
+        printSwept(a, map.field, scene, info, swept, vertices, bytes);
     else
         std::printf("%s: %zu vertices, %zu triangles, %d rays a vertex, %.3g bytes a vertex\n", a.out.c_str(), vertices,
                     triangleCount(scene), a.bake.rays, bytes);

@@ -69,8 +69,7 @@ nlohmann::ordered_json describe(const std::string& file) {
         const SeenOnTexels& texels = asset.seen[i].texels;
         if (texels.visibility.empty()) continue;
         images.push_back({texels.width, texels.height});
-        const glm::mat3 toLocal = glm::transpose(rotationPart(asset.scene.instances[i].toWorld));
-        imageBytes += encodePng(visibilityImage(texels, toLocal, texels.bits)).size();
+        imageBytes += texels.bytes;
     }
     const PackingError error = packingError(asset.info.bits);
     nlohmann::ordered_json out{{"file", file},

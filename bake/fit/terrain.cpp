@@ -12,10 +12,9 @@ namespace {
 
 constexpr int kFittedAzimuths = 64;  // that models are fitted to: a sector is as wide as a light of 3 degrees
 
-// Of each vertex of the surface, its texel: the index in the field.
-size_t texelOf(const HeightField& field, const Surface& surface, size_t vertex) {
-    const glm::vec2 at = surface.coordinates[vertex] * glm::vec2(field.width, field.height);
-    return size_t(int(at.y)) * size_t(field.width) + size_t(int(at.x));
+// The texel of a vertex of a mesh over the field.
+glm::ivec2 texelOf(const HeightField& field, const glm::vec3& p) {
+    return {std::lround(p.x / field.spacingX + 0.5 * (field.width - 1)), std::lround(p.z / field.spacingZ + 0.5 * (field.height - 1))};
 }
 
 // For each texel, one with data that is near: itself where it has some.
@@ -41,37 +40,51 @@ std::vector<uint32_t> nearestWithData(const HeightField& field) {
     return from;
 }
 
+// The vertices that triangles use.
+VertexPoints verticesOf(const Scene& scene) {
+    VertexPoints out;
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Surface& surface = scene.surfaces[size_t(scene.instances[i].surface)];
+        std::vector<bool> isUsed(surface.positions.size(), false);
+        for (const auto& t : surface.triangles)
+            for (const uint32_t v : t) isUsed[v] = true;
+        for (size_t v = 0; v < surface.positions.size(); ++v)
+            if (isUsed[v]) {
+                out.points.push_back({glm::dvec3(surface.positions[v]), surface.normals[v]});
+                out.places.emplace_back(i, v);
+            }
+    }
+    return out;
+}
+
 Visibility seenAt(const OpenSky& sky, size_t texel) { return clampToPossible({sky.direction[texel], sky.area[texel]}); }
 
 }  // namespace
 
 BakedVisibility bakeTerrain(const Scene& scene, const HeightField& field, const BakeOptions& options, const HorizonOptions& horizons,
                             const Progress& progress, AutoPlan* plan, TerrainReport* report) {
-    const Surface& surface = scene.surfaces.front();
     assert(options.as == As::Visibility && options.at != At::Faces && (options.recipe == "sh" || options.at == At::Vertices));
     if (options.recipe != "sh") {
         const HorizonOcclusion source(field, kFittedAzimuths, horizons, part(progress, 0, 0.2));
         if (report) report->azimuths = kFittedAzimuths;
-        VertexPoints vertices;
-        std::vector<bool> isUsed(surface.positions.size(), false);
-        for (const auto& t : surface.triangles)
-            for (const uint32_t v : t) isUsed[v] = true;
-        for (size_t v = 0; v < surface.positions.size(); ++v)
-            if (isUsed[v]) {
-                vertices.points.push_back({glm::dvec3(surface.positions[v]), surface.normals[v]});
-                vertices.places.emplace_back(0, v);
-            }
-        return bakeAt(scene, source, vertices, options, part(progress, 0.2, 1), plan);
+        return bakeAt(scene, source, verticesOf(scene), options, part(progress, 0.2, 1), plan);
     }
     const OpenSky sky = openSky(field, options.error, horizons, progress);
     if (report) *report = {sky.azimuths, sky.areaError, sky.directionError};
-    BakedVisibility out(1);
-    for (size_t v = 0; v < surface.positions.size(); ++v) out[0].visibility.push_back(seenAt(sky, texelOf(field, surface, v)));
-    if (options.at != At::Texels) return out;
-    const std::vector<uint32_t> from = nearestWithData(field);
-    out[0].texels = {field.width, field.height, {}, {}, 8};
-    out[0].texels.visibility.reserve(from.size());
-    for (const uint32_t i : from) out[0].texels.visibility.push_back(seenAt(sky, i));
+    const auto indexOf = [&](const glm::ivec2& texel) { return size_t(texel.y) * size_t(field.width) + size_t(texel.x); };
+    const std::vector<uint32_t> from = options.at == At::Texels ? nearestWithData(field) : std::vector<uint32_t>();
+    BakedVisibility out;
+    for (const Surface& surface : scene.surfaces) {
+        SeenByInstance& seen = out.emplace_back();
+        for (const glm::vec3& p : surface.positions) seen.visibility.push_back(seenAt(sky, indexOf(texelOf(field, p))));
+        if (options.at != At::Texels) continue;
+        // The tile's first texel, from any of its vertices.
+        const glm::ivec2 first = texelOf(field, surface.positions[0]) - glm::ivec2(surface.coordinates[0] * glm::vec2(surface.grid));
+        seen.texels = {surface.grid.x, surface.grid.y, {}, {}, 8};
+        seen.texels.visibility.reserve(size_t(surface.grid.x) * size_t(surface.grid.y));
+        for (int y = 0; y < surface.grid.y; ++y)
+            for (int x = 0; x < surface.grid.x; ++x) seen.texels.visibility.push_back(seenAt(sky, from[indexOf(first + glm::ivec2(x, y))]));
+    }
     return out;
 }
 

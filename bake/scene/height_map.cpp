@@ -210,12 +210,12 @@ void requireMeshable(const std::string& name, const HeightField& field) {
     requireMemory(name, "the mesh of " + size, kBytesAVertex * double(field.texels()));
 }
 
-Scene terrainScene(const std::string& name, Surface surface) {
+Scene terrainScene(const std::string& name, std::vector<Surface> surfaces) {
     Scene scene;
     scene.name = name;
     scene.isTerrain = true;
-    scene.surfaces.push_back(std::move(surface));
-    scene.instances.push_back({0});
+    scene.surfaces = std::move(surfaces);
+    for (size_t i = 0; i < scene.surfaces.size(); ++i) scene.instances.push_back({int(i)});
     validate(scene);
     return scene;
 }
@@ -225,7 +225,7 @@ Scene loadHeightMap(const std::string& path, const HeightMapOptions& options, Co
     requireMeshable(path, map.field);
     Surface surface = fullMesh(map.field);
     if (coordinates == Coordinates::Ignore) surface.coordinates.clear(), surface.grid = {0, 0};
-    Scene scene = terrainScene(path, std::move(surface));
+    Scene scene = terrainScene(path, {std::move(surface)});
     scene.notes = map.notes;
     return scene;
 }

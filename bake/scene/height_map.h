@@ -29,7 +29,7 @@ HeightMap loadHeights(const std::string& path, const HeightMapOptions& options);
 // Throws Error naming `name` where a mesh of all texels would not fit into memory, or into an asset.
 void requireMeshable(const std::string& name, const HeightField& field);
 
-// A scene of one surface.
-Scene terrainScene(const std::string& name, Surface surface);
+// A scene of these, an instance of each. Throws Error as validate does.
+Scene terrainScene(const std::string& name, std::vector<Surface> surfaces);
 
 }  // namespace apertura

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
 
 #include "apertura/bake/sampling/horizons.h"
 
@@ -148,11 +147,16 @@ private:
     std::vector<float> errors_;  // of each texel: the largest error of the triangles that it parts, and of all finer ones that need it
 };
 
-void addVertex(const HeightField& field, int x, int y, const glm::vec2& slope, Surface& out) {
-    const float height = field.heights[size_t(y) * size_t(field.width) + size_t(x)];
-    out.positions.emplace_back(placeOf(field, x, y, height));
+// A part of a field: its first texel, and how many.
+struct Tile {
+    int left, top, width, height;
+};
+
+void addVertex(const HeightField& field, const Tile& tile, const Corner& p, const glm::vec2& slope, Surface& out) {
+    const float height = field.heights[size_t(p.y) * size_t(field.width) + size_t(p.x)];
+    out.positions.emplace_back(placeOf(field, p.x, p.y, height));
     out.normals.push_back(glm::normalize(glm::vec3(-slope.x, 1, -slope.y)));
-    out.coordinates.emplace_back((float(x) + 0.5f) / float(field.width), (float(y) + 0.5f) / float(field.height));
+    out.coordinates.emplace_back((float(p.x - tile.left) + 0.5f) / float(tile.width), (float(p.y - tile.top) + 0.5f) / float(tile.height));
 }
 
 }  // namespace
@@ -170,7 +174,7 @@ Surface fullMesh(const HeightField& field) {
         for (int x = 0; x < field.width; ++x)
             if (!std::isnan(field.heights[at(x, y)])) {
                 vertex[at(x, y)] = uint32_t(out.positions.size());
-                addVertex(field, x, y, slopes[at(x, y)], out);
+                addVertex(field, {0, 0, field.width, field.height}, {x, y}, slopes[at(x, y)], out);
             }
     for (int y = 0; y + 1 < field.height; ++y)
         for (int x = 0; x + 1 < field.width; ++x) {
@@ -182,53 +186,34 @@ Surface fullMesh(const HeightField& field) {
     return out;
 }
 
-Surface decimatedMesh(const HeightField& field, double error, const Progress& progress) {
+std::vector<Surface> decimatedMesh(const HeightField& field, double error, const Progress& progress) {
     const std::vector<glm::vec2> slopes = slopesOf(field);
     const Decimation decimation(field, error, progress);
-    Surface out;
-    std::vector<uint32_t> vertex(field.texels(), UINT32_MAX);
-    const auto numberOf = [&](const Corner& p) {
-        const size_t texel = size_t(p.y) * size_t(field.width) + size_t(p.x);
-        if (vertex[texel] == UINT32_MAX) {
-            vertex[texel] = uint32_t(out.positions.size());
-            addVertex(field, p.x, p.y, slopes[texel], out);
-        }
-        return vertex[texel];
-    };
-    for (int y = 0; y * kLargest + 1 < field.height; ++y)
-        for (int x = 0; x * kLargest + 1 < field.width; ++x)
-            decimation.triangles(x, y, [&](const Triangle& t) { out.triangles.push_back({numberOf(t.a), numberOf(t.b), numberOf(t.c)}); });
-    out.grid = {field.width, field.height};
-    return out;
-}
-
-MeshError errorOf(const HeightField& field, const Surface& mesh) {
-    MeshError out;
-    std::mutex mutex;
-    double squares = 0, count = 0;
-    const auto texelOf = [&](uint32_t v) { return mesh.coordinates[v] * glm::vec2(mesh.grid) - 0.5f; };
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, mesh.triangles.size(), 4096), [&](const tbb::blocked_range<size_t>& range) {
-        double mostHere = 0, squaresHere = 0, countHere = 0;
-        for (size_t k = range.begin(); k < range.end(); ++k) {
-            const auto& t = mesh.triangles[k];
-            const glm::dvec2 a = glm::round(texelOf(t[0])), b = glm::round(texelOf(t[1])), c = glm::round(texelOf(t[2]));
-            const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-            if (area == 0) continue;
-            for (int y = int(std::min({a.y, b.y, c.y})); y <= int(std::max({a.y, b.y, c.y})); ++y)
-                for (int x = int(std::min({a.x, b.x, c.x})); x <= int(std::max({a.x, b.x, c.x})); ++x) {
-                    const double wb = ((x - a.x) * (c.y - a.y) - (y - a.y) * (c.x - a.x)) / area,
-                                 wc = ((b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x)) / area;
-                    if (std::min({wb, wc, 1 - wb - wc}) < 0) continue;
-                    const double height = (1 - wb - wc) * mesh.positions[t[0]].y + wb * mesh.positions[t[1]].y
-                                        + wc * mesh.positions[t[2]].y;
-                    const double off = std::abs(height - field.heights[size_t(y) * size_t(field.width) + size_t(x)]);
-                    mostHere = std::max(mostHere, off), squaresHere += off * off, ++countHere;
+    std::vector<Surface> out;
+    std::vector<uint32_t> vertex(field.texels());
+    constexpr int squares = kTileTexels / kLargest;
+    for (int top = 0; top + 1 < field.height; top += kTileTexels)
+        for (int left = 0; left + 1 < field.width; left += kTileTexels) {
+            const Tile tile{left, top, std::min(kTileTexels + 1, field.width - left), std::min(kTileTexels + 1, field.height - top)};
+            std::fill(vertex.begin(), vertex.end(), UINT32_MAX);
+            Surface surface;
+            const auto numberOf = [&](const Corner& p) {
+                const size_t texel = size_t(p.y) * size_t(field.width) + size_t(p.x);
+                if (vertex[texel] == UINT32_MAX) {
+                    vertex[texel] = uint32_t(surface.positions.size());
+                    addVertex(field, tile, p, slopes[texel], surface);
                 }
+                return vertex[texel];
+            };
+            for (int y = top / kLargest; y < top / kLargest + squares && y * kLargest + 1 < field.height; ++y)
+                for (int x = left / kLargest; x < left / kLargest + squares && x * kLargest + 1 < field.width; ++x)
+                    decimation.triangles(x, y, [&](const Triangle& t) {
+                        surface.triangles.push_back({numberOf(t.a), numberOf(t.b), numberOf(t.c)});
+                    });
+            if (surface.triangles.empty()) continue;
+            surface.grid = {tile.width, tile.height};
+            out.push_back(std::move(surface));
         }
-        const std::lock_guard lock(mutex);
-        out.most = std::max(out.most, mostHere), squares += squaresHere, count += countHere;
-    });
-    out.rms = std::sqrt(squares / std::max(count, 1.0));
     return out;
 }
 

@@ -50,7 +50,8 @@ struct SeenOnTexels {
     int width = 0, height = 0;
     std::vector<Visibility> visibility;  // one per texel; empty: there is no image
     std::vector<glm::vec3> normals;      // unit, world: about which each looks. They are not stored: setTexelNormals
-    int bits = 8;                        // of a number in the file that it was read from
+    int bits = 8;                        // of a number in the file that it was read from,
+    size_t bytes = 0;                    // and what the image takes there
 };
 
 // What engines read instead of visibility, in two images over the texture coordinates of one instance: where light comes from on average,

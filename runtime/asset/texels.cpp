@@ -11,8 +11,9 @@ namespace apertura {
 namespace {
 
 constexpr auto kPi = std::numbers::pi_v<float>;
-constexpr double kFewSteps = 1e8, kStepsATexel = 4;  // of mapTexels: an image that takes more has triangles that lie over each other
-constexpr double kBytesATexel = 80;                  // that a texel takes while it is read
+// Of mapTexels: an image that takes more has triangles that lie over each other. Each reads the texels around it too.
+constexpr double kFewSteps = 1e8, kStepsATexel = 4, kStepsATriangle = 24;
+constexpr double kBytesATexel = 80;  // that a texel takes while it is read
 const char* const kImageName = "_VISIBILITY";
 const char* const kEntry = "texels";  // of asset.extras.apertura
 
@@ -153,7 +154,8 @@ void addReferred(const Json& part, std::set<size_t>& out) {
 void requireMappable(const Surface& surface, int width, int height, const std::string& where) {
     for (const glm::vec2& c : surface.coordinates)
         if (!(c.x >= 0 && c.x <= 1 && c.y >= 0 && c.y <= 1)) throw Error(where + ": a texture coordinate lies outside 0..1");
-    const double most = std::max(kFewSteps, kStepsATexel * double(width) * double(height));
+    const double most = std::max(kFewSteps,
+                                 kStepsATexel * double(width) * double(height) + kStepsATriangle * double(surface.triangles.size()));
     double steps = 0;
     for (size_t t = 0; t < surface.triangles.size() && steps <= most; ++t)
         forRows(cornersInImage(surface, t, width, height), width, height, [&](int, int first, int last) { steps += last - first + 1; });
@@ -372,6 +374,7 @@ void readTexels(Asset& asset, const Json& described) {
         const PngImage image = decodePng(png, where);
         if (image.channels != 4) throw Error(where + " is no PNG of four channels");
         texels = seenIn(image, rotationPart(instance.toWorld));
+        texels.bytes = png.size();
         setTexelNormals(scene, i, mapTexels(surface, size.x, size.y), texels);
     }
     if (without > 0)
