@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "apertura/bake/sampling/lanes.h"
 #include "apertura/bake/sampling/sweep_fields.h"
 
 namespace apertura {
@@ -27,26 +26,25 @@ private:
     float all_ = SweepField::kNone;
 };
 
-// The horizons towards one azimuth.
-class ExactHorizons {
-public:
-    // `way` 0: in the course's direction, 1: opposite to it. `farthest`: metres beyond which nothing counts; 0: no limit. Both must outlive
-    // it.
-    ExactHorizons(const SweepField& field, const HighestHeights& highest, const SweepCourse& course, int way, double farthest);
+// The way towards one azimuth, prepared for all texels.
+struct ExactCourse {
+    // `way` 0: in the course's direction, 1: opposite to it. `farthest`: metres beyond which nothing counts; 0: no limit. The field and
+    // `highest`, which is made of it, must outlive it.
+    ExactCourse(const SweepField& field, const HighestHeights& highest, const SweepCourse& course, int way, double farthest);
 
-    // The tangents of the horizons of kLanes texels from (a, b), kNoHorizon where there is none. Of texels without a height or outside the
-    // field they have no meaning.
-    Floats tangents(int a, int b) const;
-
-private:
-    const SweepField& field_;
-    const HighestHeights& highest_;
-    double shift_;                                 // across for each step along, in the direction of the way
-    double step_;                                  // metres
-    int sign_;                                     // of steps along
-    std::vector<SweepCrossing> crossings_;         // by distance
-    std::vector<size_t> first_[2];                 // of each length of kSides steps: its first crossing, and one more
-    std::vector<float> nearest_[2], farthest_[2];  // 1 / metres, of the crossings of each length
+    const SweepField& field;
+    const HighestHeights& highest;
+    double shift;                                // texels across for each step along, in the direction of the way
+    double step;                                 // metres
+    int sign;                                    // of steps along
+    std::vector<SweepCrossing> crossings;        // by distance
+    std::vector<size_t> first[2];                // of each length of HighestHeights::kSides steps: its first crossing, and one more
+    std::vector<float> nearest[2], farthest[2];  // 1 / metres, of the crossings of each length
 };
+
+// The tangents of the horizons of the texels at a0 .. a1 - 1 along, and from across `b` to b + 7, kNoHorizon where there is none, to places
+// that are laid out as the field's heights. Of texels without a height, and of places outside the field, they have no meaning. The result
+// is the same to the bit on all processors, and whatever the range.
+void exactTangents(const ExactCourse& course, int a0, int a1, int b, float* to, size_t stride);
 
 }  // namespace apertura

@@ -12,6 +12,7 @@
 #include "apertura/bake/sampling/directions.h"
 #include "apertura/bake/sampling/horizon_exact.h"
 #include "apertura/bake/sampling/horizon_sweep.h"
+#include "apertura/bake/sampling/lanes.h"
 #include "apertura/bake/sampling/sweep_fields.h"
 
 namespace apertura {
@@ -49,10 +50,14 @@ std::vector<TexelTruth> truthOf(const HeightField& field, const SweepFields& fie
     std::vector<std::vector<float>> tangents(kTrueAzimuths, std::vector<float>(out.size()));
     tbb::parallel_for(0, kTrueAzimuths, [&](int k) {
         const SweepCourse course = courseOf(field, 2 * pi * k / kTrueAzimuths, curvature);
-        const ExactHorizons horizons(course.columns ? fields.columns : fields.rows, course.columns ? ofColumns : ofRows, course,
-                                     course.backwards, 0);
-        for (size_t i = 0; i < out.size(); ++i)
-            tangents[size_t(k)][i] = horizons.tangents(course.columns ? out[i].x : out[i].y, course.columns ? out[i].y : out[i].x)[0];
+        const ExactCourse exact(course.columns ? fields.columns : fields.rows, course.columns ? ofColumns : ofRows, course,
+                                course.backwards, 0);
+        for (size_t i = 0; i < out.size(); ++i) {
+            const int a = course.columns ? out[i].x : out[i].y, b = course.columns ? out[i].y : out[i].x;
+            float all[kLanes];
+            exactTangents(exact, a, a + 1, b, all, kLanes);
+            tangents[size_t(k)][i] = all[0];
+        }
     });
     for (size_t i = 0; i < out.size(); ++i) {
         const glm::vec2 slope = fields.slopeAt(out[i].x, out[i].y);
@@ -147,9 +152,9 @@ void findHorizons(const HeightField& field, std::span<const double> azimuths, co
         for (size_t way = 0; way < 2; ++way) {
             if (along[way] == azimuths.size()) continue;
             if (options.isExact) {
-                const ExactHorizons exact(across, course.columns ? *ofColumns : *ofRows, course, int(way), options.farthest);
-                tbb::parallel_for(0, across.along, [&](int a) {
-                    for (int b = 0; b < across.across; b += kLanes) store(&tangents[way][across.at(a, b)], exact.tangents(a, b));
+                const ExactCourse exact(across, course.columns ? *ofColumns : *ofRows, course, int(way), options.farthest);
+                tbb::parallel_for(0, (across.across + kLanes - 1) / kLanes, [&](int strip) {
+                    exactTangents(exact, 0, across.along, strip * kLanes, &tangents[way][across.at(0, strip * kLanes)], across.stride);
                 });
             }
             if (course.columns) fields.turnBack(tangents[way], rows);
