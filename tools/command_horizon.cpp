@@ -36,41 +36,56 @@ struct Arguments {
     double refraction = 0.13, latitude = 1000, day = 0, memory = 0;
 };
 
+enum class Quantity { Horizons, SkyView, Openness, SunHours };
+
 // What is written of a map: bands, and the azimuths that they are made from.
 struct Product {
+    Quantity quantity;
     std::vector<std::string> descriptions;
-    std::vector<double> azimuths;    // radians
-    std::vector<double> elevations;  // of the sun at each of them; empty: none
+    std::vector<double> azimuths;  // radians
+    std::vector<float> tangents;   // of the sun's elevation at each of them; empty: none
+    float share = 0;               // of the result that one azimuth may add
 };
 
 Product productOf(const Arguments& a) {
-    Product out;
-    if (a.quantity == "sun-hours") {
+    Product out{a.quantity == "sun-hours"  ? Quantity::SunHours
+                : a.quantity == "sky-view" ? Quantity::SkyView
+                : a.quantity == "openness" ? Quantity::Openness
+                                           : Quantity::Horizons,
+                {},
+                {},
+                {},
+                0};
+    if (out.quantity == Quantity::SunHours) {
         const double latitude = a.latitude * pi / 180, declination = sunDeclination(a.day), step = kMinutesAStep / 60;
         for (double hour = step / 2; hour < 24; hour += step)
             if (const SunPosition sun = sunAt(latitude, declination, hour); sun.elevation > 0)
-                out.azimuths.push_back(sun.azimuth), out.elevations.push_back(sun.elevation);
+                out.azimuths.push_back(sun.azimuth), out.tangents.push_back(float(std::tan(sun.elevation)));
+        out.share = float(step);
         out.descriptions = {"hours of sun on day " + std::to_string(int(a.day))};
         return out;
     }
+    out.share = 1 / float(a.azimuths);
     for (int k = 0; k < a.azimuths; ++k) {
         out.azimuths.push_back(2 * pi * k / a.azimuths);
         char text[80];
         std::snprintf(text, sizeof text, "horizon towards %.10g degrees from north by east, degrees", 360.0 * k / a.azimuths);
-        if (a.quantity == "horizons") out.descriptions.emplace_back(text);
+        if (out.quantity == Quantity::Horizons) out.descriptions.emplace_back(text);
     }
-    if (a.quantity == "sky-view") out.descriptions = {"sky-view factor, 0..1"};
-    if (a.quantity == "openness") out.descriptions = {"positive openness, degrees"};
+    if (out.quantity == Quantity::SkyView) out.descriptions = {"sky-view factor, 0..1"};
+    if (out.quantity == Quantity::Openness) out.descriptions = {"positive openness, degrees"};
     return out;
 }
 
 // What one azimuth adds to a band that is made of all of them. Directions without terrain count as a horizon of 0: Zaksek, Ostir & Kokalj,
 // "Sky-View Factor as a Relief Visualization Technique", 2011.
-double shareOf(const Arguments& a, const Product& product, size_t azimuth, float tangent) {
-    const double h = tangent == kNothing ? 0 : std::atan(double(tangent));
-    if (a.quantity == "sky-view") return (1 - std::sin(std::max(h, 0.0))) / double(product.azimuths.size());
-    if (a.quantity == "openness") return (90 - h * 180 / pi) / double(product.azimuths.size());
-    return product.elevations[azimuth] > (tangent == kNothing ? -pi / 2 : h) ? kMinutesAStep / 60 : 0;
+float shareOf(const Product& product, size_t azimuth, float tangent) {
+    const float t = tangent == kNothing ? 0 : tangent, up = std::max(t, 0.0f);
+    switch (product.quantity) {
+        case Quantity::SkyView: return product.share * (1 - up / std::sqrt(1 + up * up));
+        case Quantity::Openness: return product.share * (90 - std::atan(t) * float(180 / pi));
+        default: return product.tangents[azimuth] > tangent ? product.share : 0;
+    }
 }
 
 void run(Arguments a) {
@@ -98,6 +113,7 @@ void run(Arguments a) {
     const Product product = productOf(a);
     {
         ProgressBar bar("sweeping");
+        const bool isSum = product.quantity != Quantity::Horizons;
         const auto writeBands = [&](const auto& put) {
             std::vector<float> band(field.texels(), 0);
             const auto hide = [&] {
@@ -105,18 +121,16 @@ void run(Arguments a) {
                     if (std::isnan(field.heights[i])) band[i] = std::numeric_limits<float>::quiet_NaN();
             };
             const auto use = [&](size_t k, std::span<const float> tangents) {
-                const bool isSum = a.quantity != "horizons";
                 tbb::parallel_for(size_t(0), size_t(field.height), [&](size_t y) {
                     for (size_t i = y * size_t(field.width); i < (y + 1) * size_t(field.width); ++i)
-                        band[i] = isSum ? band[i] + float(shareOf(a, product, k, tangents[i]))
-                                        : float(std::atan(double(tangents[i])) * 180 / pi);
+                        band[i] = isSum ? band[i] + shareOf(product, k, tangents[i]) : float(std::atan(double(tangents[i])) * 180 / pi);
                 });
                 if (isSum) return;
                 hide();
                 put(int(k), band);
             };
             findHorizons(field, product.azimuths, a.horizons, use, bar.callback());
-            if (a.quantity == "horizons") return;
+            if (!isSum) return;
             hide();
             put(0, band);
         };
