@@ -54,6 +54,11 @@ TEST(GeoTiff, StatesHowFarApartTexelsAre) {
     EXPECT_NEAR(map.grid.latitude, 45, 1e-9);
     ASSERT_EQ(map.notes.size(), 1u);
     EXPECT_NE(map.notes[0].find("45 degrees north"), std::string::npos) << map.notes[0];
+    // A file that no code of ours wrote.
+    const HeightField small = loadHeights(smallScene("heights_geotiff.tif"), {}).field;
+    EXPECT_NEAR(small.spacingX, 78.847, 0.001);
+    EXPECT_NEAR(small.spacingZ, 111.132, 0.001);
+    EXPECT_EQ(small.heights[0], 100);
     // The same by a matrix.
     Georeference matrix{{}, {}, {0.001, 0, 0, 10, 0, -0.001, 0, 45.003, 0, 0, 0, 0, 0, 0, 0, 1}, {}, kDegrees, {}};
     EXPECT_NEAR(fieldOf(matrix).spacingX, 78.847, 0.001);

@@ -127,6 +127,11 @@ def mutant(rng, path):
 def commands(rng, path, out):
     verb = rng.choice(["bake", "bake", "info", "render", "compare"])
     height = ["--terrain-rgb"] if path.stem == "rgb" else []
+    if path.suffix in (".png", ".tif", ".exr") and rng.random() < 0.4:
+        if rng.random() < 0.5:
+            return ["bake", path, "-o", out / "o.glb", *height]
+        quantity = rng.choice([["--azimuths", "4"], ["--azimuths", "4", "--exact"], ["--quantity", "sun-hours", "--day", "80", "--latitude", "50"]])
+        return ["horizon", path, "-o", out / "o.tif", *quantity, *height]
     if verb == "bake":
         model = rng.choice([[], ["--model", "firm-2"], ["--model", "auto"], ["--bits", "16"]])
         at = rng.choice([["--storage-tolerance", "0.2"], ["--at", "vertices"]])  # by default, seconds go to finding a tolerance

@@ -22,8 +22,8 @@ using std::numbers::pi;
 
 constexpr int kGroupsATask = 2;  // of lines
 constexpr int kFewestAzimuths = 8;
-constexpr double kSameAzimuth = 1e-9;                // radians
-constexpr int kTrueTexels = 96, kTrueAzimuths = 64;  // where and by which sums over azimuths are judged
+constexpr double kSameAzimuth = 1e-9;                 // radians
+constexpr int kTrueTexels = 192, kTrueAzimuths = 64;  // where and by which sums over azimuths are judged
 
 void sweep(SweepFields& fields, SweepCourse course, const SweepHorizons& keep) {
     SweepField& field = course.columns ? fields.columns : fields.rows;

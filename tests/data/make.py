@@ -32,8 +32,8 @@ def png(bits, channels, rows):
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b"")
 
 
-def tiff(values, code, sample_format, no_data=None):
-    """TIFF 6.0 (Adobe, 1992), one strip, not compressed; GDAL's tag 42113 for no data."""
+def tiff(values, code, sample_format, no_data=None, place=()):
+    """TIFF 6.0 (Adobe, 1992), one strip, not compressed; GDAL's tag 42113 for no data; GeoTIFF's tags: tag, type, code, values."""
     size = struct.calcsize(code)
     data = struct.pack(f"<{len(values)}{code}", *values)
     text = str(no_data).encode() + b"\0"
@@ -41,6 +41,9 @@ def tiff(values, code, sample_format, no_data=None):
             (277, 3, 1, 1), (278, 3, 1, HEIGHT), (279, 4, 1, len(data)), (282, 5, 1, 8 + len(data)), (283, 5, 1, 8 + len(data)),
             (296, 3, 1, 1), (339, 3, 1, sample_format)]
     data += struct.pack("<II", 1, 1)  # the resolution: none
+    for tag, kind, geo, numbers in place:
+        tags.append((tag, kind, len(numbers), 8 + len(data)))
+        data += struct.pack(f"<{len(numbers)}{geo}", *numbers)
     after = 8 + len(data)
     if no_data is not None:
         tags.append((42113, 2, len(text), after + 2 + 12 * (len(tags) + 1) + 4 if len(text) > 4 else int.from_bytes(text.ljust(4, b"\0"), "little")))
@@ -250,6 +253,10 @@ def files():
         "heights_i32_nodata.tif": tiff(texels(hole(-9999)), "i", 2, -9999),
         "heights_f32_nodata.tif": tiff(texels(hole(-9999)), "f", 3, "-9999"),
         "heights_f32_nan.tif": tiff(texels(hole(float("nan"))), "f", 3),
+        # Cells of .001 degrees whose middle is at 45 degrees north, in WGS 84 (OGC GeoTIFF 1.1).
+        "heights_geotiff.tif": tiff(texels(height), "H", 1, place=[
+            (33550, 12, "d", (0.001, 0.001, 0)), (33922, 12, "d", (0, 0, 0, 10, 45.002, 0)),
+            (34735, 3, "H", (1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326))]),
         "heights_f64.tif": tiff(texels(lambda x, y: height(x, y) - 200), "d", 3),
         "heights_f32.exr": exr(texels(hole(float("nan"))), False),
         "heights_f16.exr": exr(texels(hole(float("nan"))), True),

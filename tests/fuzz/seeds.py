@@ -206,6 +206,7 @@ def height_maps():
         "int16.tif": tiff(11, 9, "h", 2, 16, [h if h % 7 else -32767 for h in heights]),
         "float.tif": tiff(11, 9, "f", 3, 32, heights),
         "tiled.tif": tiff(11, 9, "f", 3, 32, heights, tile=16),
+        "geo.tif": (pathlib.Path(__file__).resolve().parent.parent / "data/heights_geotiff.tif").read_bytes(),
         "float.exr": exr(11, 9, heights),
     }
 
