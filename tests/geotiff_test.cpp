@@ -23,6 +23,10 @@ const std::vector<uint16_t> kDegrees = keys({{1024, 2}, {1025, 1}, {2048, 4326}}
 const std::vector<uint16_t> kUtm = keys({{1024, 1}, {1025, 1}, {3072, 32633}});        // UTM zone 33 north, metres
 const std::vector<uint16_t> kCalifornia = keys({{1024, 1}, {1025, 1}, {3072, 2227}});  // state plane, US survey feet
 
+const std::vector<uint16_t> kWebMercator = keys({{1024, 1}, {1025, 1}, {3072, 3857}});
+const std::vector<uint16_t> kGeocentric = keys({{1024, 3}, {1025, 1}, {2048, 4978}});
+const std::vector<uint16_t> kUnknown = keys({{1024, 1}, {1025, 1}, {3072, 29999}});
+
 // A slope of 8 x 6 texels.
 std::string writeMap(const Folder& folder, const Georeference& georeference, int height = 6) {
     const std::string path = folder / "map.tif";
@@ -59,6 +63,20 @@ TEST(GeoTiff, StatesHowFarApartTexelsAre) {
     EXPECT_NEAR(small.spacingX, 78.847, 0.001);
     EXPECT_NEAR(small.spacingZ, 111.132, 0.001);
     EXPECT_EQ(small.heights[0], 100);
+    // Numbers of another unit and zero than metres.
+    const HeightMap scaled = loadHeights(smallScene("heights_scaled.tif"), {});
+    EXPECT_NEAR(scaled.field.heights[0], (100 * 0.1 + 500) * 0.3048, 1e-4);
+    EXPECT_NEAR(scaled.field.heights[1], (110 * 0.1 + 500) * 0.3048, 1e-4);
+    EXPECT_TRUE(std::isnan(scaled.field.heights[3]));
+    // Mercator's metres grow with the latitude: at 60 degrees a degree is as wide as half of one at the equator.
+    const double north = 6378137 * std::asinh(std::tan(pi / 3));
+    field = fieldOf(placed(kWebMercator, 40, 40, 1e6, north + 3 * 40));
+    EXPECT_NEAR(field.spacingX, 20, 1e-3);
+    EXPECT_NEAR(field.spacingZ, 20, 1e-3);
+    // Feet of heights, by the key of vertical units.
+    Georeference feet = placed(kUtm, 30, 30, 5e5, 5e6);
+    feet.keys = keys({{1024, 1}, {1025, 1}, {3072, 32633}, {4099, 9003}});
+    EXPECT_NEAR(fieldOf(feet).heights[9], 9 * 1200 / 3937.0, 1e-5);
     // The same by a matrix.
     Georeference matrix{{}, {}, {0.001, 0, 0, 10, 0, -0.001, 0, 45.003, 0, 0, 0, 0, 0, 0, 0, 1}, {}, kDegrees, {}};
     EXPECT_NEAR(fieldOf(matrix).spacingX, 78.847, 0.001);
@@ -96,6 +114,12 @@ TEST(GeoTiff, IsRefusedWhereItsGridCannotBeUsed) {
     expectFault(placed(kUtm, std::nan(""), 30, 0, 0), "size of its cells");
     expectFault(placed({}, 0.0008, 0.0008, 10, 45), "--spacing");
     expectFault(placed(kDegrees, 5, 5, 0, 90), "times as wide");
+    expectFault(placed({}, 0.0083333, 0.0083333, 10, 45), "--spacing");
+    expectFault(placed(kWebMercator, 1e6, 1e6, 0, 8e6), "Mercator");
+    expectFault(placed(kGeocentric, 30, 30, 0, 0), "neither of a map nor degrees");
+    expectFault(placed(kUnknown, 30, 30, 0, 0), "EPSG:29999");
+    expectFault(placed(kUtm, 1e300, 1e300, 0, 0), "apart");
+    expectFault(placed(kUtm, 1e-30, 1, 0, 0), "apart");
     expectFault(placed(kDegrees, 50, 50, 0, 90), "reach from");
     expectFault({{}, {0, 0, 0, 1, 2, 0, 5, 5, 0, 7, 8, 0}, {}, {}, kUtm, {}}, "tie points");
 }
@@ -110,13 +134,13 @@ TEST(GeoTiff, KeepsItsPlaceInWhatIsMadeOfIt) {
     const std::string map = writeMap(folder, g), out = folder / "out.tif";
     const Result r = run("horizon " + map + " -o " + out + " --azimuths 4");
     ASSERT_EQ(r.code, 0) << r.error;
-    const GeoTiff kept = readGeoTiff(out, 6);
+    const GeoTiff kept = readGeoTiff(out, 8, 6);
     EXPECT_EQ(kept.georeference.pixelScale, g.pixelScale);
     EXPECT_EQ(kept.georeference.tiePoints, g.tiePoints);
     EXPECT_EQ(kept.georeference.keys, g.keys);
     EXPECT_EQ(kept.georeference.text, g.text);
     EXPECT_EQ(kept.noData, kNoData);
-    EXPECT_EQ(kept.grid.spacingX, readGeoTiff(map, 6).grid.spacingX);
+    EXPECT_EQ(kept.grid.spacingX, readGeoTiff(map, 8, 6).grid.spacingX);
 }
 
 }  // namespace

@@ -5,8 +5,10 @@
 
 #include "apertura/bake/fit/terrain.h"
 #include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/horizon_exact.h"
 #include "apertura/bake/sampling/horizon_occlusion.h"
 #include "apertura/bake/sampling/horizon_sweep.h"
+#include "apertura/bake/sampling/sweep_fields.h"
 #include "apertura/bake/scene/height_map.h"
 #include "apertura/bake/scene/height_mesh.h"
 #include "tests/mountains.h"
@@ -15,7 +17,8 @@
 namespace apertura {
 namespace plain {
 void sweepLines(SweepField& field, const SweepDirection& direction, int first, int end, const SweepHorizons& keep);
-}
+void exactTangents(const ExactCourse& course, int a0, int a1, int b, float* to, size_t stride);
+}  // namespace plain
 
 namespace test {
 namespace {
@@ -253,25 +256,83 @@ TEST(OpenSky, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Horizons, AreTheSameOnAllProcessors) {
-    // The two texts of sweepLines, on a field whose lines lie askew.
-    const int n = 50;
-    SweepField fields[2];
-    SweepDirection direction{{0.8f, 0.6f}, 0.75, 1.25f, 1e-6f, {}};
-    for (SweepField& field : fields) {
-        field.along = n, field.across = n, field.stride = n + 2 * SweepField::kBeside;
-        field.heights.assign(field.size(), SweepField::kNone);
-        for (std::vector<float>* of :
-             {&field.slopes[0], &field.slopes[1], &field.area, &field.vertical, &field.horizontal[0], &field.horizontal[1]})
-            of->assign(field.size(), 0);
-        for (int a = 0; a < n; ++a)
-            for (int b = 0; b < n; ++b) field.heights[field.at(a, b)] = float(10 * hashUnit(3, uint64_t(a), uint64_t(b)));
+    if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this processor has one of the two texts of sweepLines";
+    HeightField field = mountains(90, 70, 30, 25);
+    for (size_t i = 0; i < field.texels(); ++i)
+        if (hashUnit(9, i, 0) < 0.05) field.heights[i] = kHole;
+    for (const double degrees : {20.0, 45.0, 77.0, 90.0, 130.0, 200.0}) {
+        SweepFields fields[2]{{field, true}, {field, true}};
+        const SweepCourse course = courseOf(field, degrees * kDegree, 1e-7);
+        std::vector<float> tangents[2][2];
+        for (size_t k = 0; k < 2; ++k) {
+            SweepField& across = course.columns ? fields[k].columns : fields[k].rows;
+            SweepDirection direction = course.direction;
+            for (int way = 0; way < 2; ++way) direction.crossings[way] = crossingsOf(across, course, way, kNear);
+            const auto sweepBy = k == 0 ? sweepLines : plain::sweepLines;
+            sweepBy(across, direction, 0, sweepGroups(across, direction), {});
+            for (std::vector<float>& t : tangents[k]) t.assign(across.size(), 0);
+            sweepBy(across, direction, 0, sweepGroups(across, direction), {{tangents[k][0].data(), tangents[k][1].data()}});
+            const HighestHeights highest(across);
+            const ExactCourse exact(across, highest, course, 0, 0);
+            (k == 0 ? exactTangents : plain::exactTangents)(exact, 0, across.along, 8, &tangents[k][0][across.at(0, 8)], across.stride);
+        }
+        const SweepField &one = course.columns ? fields[0].columns : fields[0].rows,
+                         &other = course.columns ? fields[1].columns : fields[1].rows;
+        EXPECT_EQ(one.area, other.area) << degrees;
+        EXPECT_EQ(one.vertical, other.vertical) << degrees;
+        EXPECT_EQ(one.horizontal[0], other.horizontal[0]) << degrees;
+        EXPECT_EQ(tangents[0][0], tangents[1][0]) << degrees;
+        EXPECT_EQ(tangents[0][1], tangents[1][1]) << degrees;
+        EXPECT_GT(one.area[one.at(30, 30)], 0);
     }
-    sweepLines(fields[0], direction, 0, sweepGroups(fields[0], direction), {});
-    plain::sweepLines(fields[1], direction, 0, sweepGroups(fields[1], direction), {});
-    EXPECT_EQ(fields[0].area, fields[1].area);
-    EXPECT_EQ(fields[0].vertical, fields[1].vertical);
-    EXPECT_EQ(fields[0].horizontal[0], fields[1].horizontal[0]);
-    EXPECT_GT(fields[0].area[fields[0].at(25, 25)], 0);
+}
+
+// RMS of the sweep's angles less the exact ones, degrees, at texels that `counts`; where one of them alone sees nothing is counted apart.
+template <typename F>
+double apart(const HeightField& field, const std::vector<double>& degrees, size_t& differ, const F& counts) {
+    const auto swept = horizonsOf(field, degrees), exact = horizonsOf(field, degrees, exactly());
+    double squares = 0, count = 0;
+    differ = 0;
+    for (size_t k = 0; k < degrees.size(); ++k)
+        for (size_t i = 0; i < field.texels(); ++i) {
+            if (std::isnan(field.heights[i]) || !counts(int(i % size_t(field.width)), int(i / size_t(field.width)))) continue;
+            if (std::isinf(swept[k][i]) != std::isinf(exact[k][i])) ++differ;
+            if (std::isinf(swept[k][i]) || std::isinf(exact[k][i])) continue;
+            squares += std::pow(degreesOf(swept[k][i]) - degreesOf(exact[k][i]), 2), ++count;
+        }
+    return std::sqrt(squares / std::max(count, 1.0));
+}
+
+TEST(Horizons, OfTheSweepAreGoodBesideBordersAndHoles) {
+    std::vector<double> degrees{85, 265, 5, 175};
+    for (int k = 0; k < 16; ++k) degrees.push_back(22.5 * k);
+    const HeightField field = mountains(120, 90, 30, 30);
+    size_t differ = 0;
+    EXPECT_LT(apart(field, degrees, differ, [](int x, int y) { return x > 4 && y > 4 && x < 115 && y < 85; }), 0.5);
+    for (int edge = 0; edge < 3; ++edge) {
+        const auto counts = [&](int x, int y) { return x == edge || y == edge || x == 119 - edge || y == 89 - edge; };
+        EXPECT_LT(apart(field, degrees, differ, counts), 1.5) << edge;
+        EXPECT_EQ(differ, 0u) << edge;
+    }
+    HeightField holes = field;
+    for (size_t i = 0; i < holes.texels(); ++i)
+        if (hashUnit(5, i, 0) < 0.1) holes.heights[i] = kHole;
+    const auto everywhere = [](int, int) { return true; };
+    EXPECT_LT(apart(holes, degrees, differ, everywhere), 1.2);
+    EXPECT_LT(double(differ) / double(holes.texels() * degrees.size()), 0.001);
+    // Along the grid it is exact, whatever has no data.
+    for (size_t i = 0; i < holes.texels(); ++i) holes.heights[i] = (i % 120 + i / 120) % 2 ? kHole : field.heights[i];
+    EXPECT_LT(apart(holes, {0, 90, 180, 270}, differ, everywhere), 1e-3);
+    EXPECT_EQ(differ, 0u);
+    // High ground beside a hole hides nothing but what it hides.
+    HeightField wall = fieldOf(30, 30, 1, 1, [](int, int) { return 0; });
+    wall.heights[10 * 30 + 10] = kHole, wall.heights[10 * 30 + 11] = 60, wall.heights[9 * 30 + 10] = 30;
+    EXPECT_LT(apart(wall, {0, 90, 180, 270}, differ, everywhere), 1e-3);
+    // Narrow maps, and an odd number of azimuths.
+    for (const auto& [width, height] : {std::pair(2, 200), {200, 2}, {3, 3}}) {
+        EXPECT_LT(apart(mountains(width, height, 30, 30), {0, 72, 144, 216, 288}, differ, everywhere), 4) << width;
+        EXPECT_EQ(differ, 0u) << width;
+    }
 }
 
 TEST(Horizons, NothingIsHiddenByTexelsWithoutData) {

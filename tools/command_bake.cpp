@@ -74,6 +74,7 @@ void printSwept(const Arguments& a, const HeightField& field, const Scene& scene
         std::printf(", from which the texels lie at most %.3g m away\n", info.meshError);
     else
         std::printf(", %.3g bytes a vertex\n", bytes);
+    printNotes(scene.notes);
     if (info.model != "sh") return;
     std::printf(
         "  the sweep errs by %.3g of the hemisphere in area and %.3g degrees in direction (RMS at some texels, by exact horizons)\n",
@@ -181,7 +182,7 @@ void run(const Arguments& a) {
     if (report.buried > 0) std::printf("  %.3g %% of the surface lies inside solids and gets no samples\n", 100 * report.buried);
     if (double(closed) > kNearlyAll * double(vertices))
         std::printf("  %zu of %zu vertices see nothing of the sky: a closed room, or faces that are wound inside out\n", closed, vertices);
-    printNotes(scene.notes);
+    if (!a.isSwept) printNotes(scene.notes);
     for (const std::string& line : describe(issues)) std::printf("  %s\n", line.c_str());
 }
 
@@ -269,17 +270,20 @@ void addBakeCommand(CLI::App& program) {
     const char* const group = "Height maps";
     command
         .add_option("--engine", a->engine,
-                    "sweep: horizons, without rays, into an image of a texel for each of the map's over a decimated mesh, or with other "
-                    "models than sh at the vertices of all of it; or rays [sweep, but where --rays, --max-distance, --at faces or --as "
-                    "bent-normal ask for rays]")
+                    "sweep: by horizons, into an image with a texel for each of the map's; models that are fitted, at its vertices, in "
+                    "the directions of --rays. rays: as any mesh [sweep; rays where --rays of sh, --max-distance, --at faces or --as "
+                    "bent-normal is given]")
         ->check(CLI::IsMember({"sweep", "rays"}))
         ->type_name("sweep|rays")
         ->group(group);
-    command.add_option("--error", a->bake.error, "of the sweep: RMS of the open area over 2 pi, for which azimuths are added [0.005]")
+    command
+        .add_option("--error", a->bake.error,
+                    "the RMS error of the open area over 2 pi that the sweep aims at: azimuths are added until it is met [0.005]")
         ->check(finiteRange(1e-6, 1))
         ->type_name("E")
         ->group(group);
-    command.add_option("--mesh-error", a->meshError, "metres that texels may lie above or below the mesh [a tenth of a texel's side]")
+    command
+        .add_option("--mesh-error", a->meshError, "metres that texels may lie above or below the mesh [a tenth of a texel's shorter side]")
         ->check(finiteRange(0, 1e9))
         ->type_name("M")
         ->group(group);
@@ -302,7 +306,11 @@ void addBakeCommand(CLI::App& program) {
         if (a->engine == "sweep" && !wantsRays.empty()) throw CLI::ValidationError(wantsRays + " is for --engine rays");
         a->isSwept = isHeightMap(a->scene) && (a->engine.empty() ? wantsRays.empty() : a->engine == "sweep");
         for (const char* const own : {"--error", "--mesh-error"})
-            if (command.count(own) > 0 && !a->isSwept) throw CLI::ValidationError(std::string(own) + " is for height maps that are swept");
+            if (command.count(own) > 0 && !a->isSwept)
+                throw CLI::ValidationError(std::string(own) + " is for height maps that are swept"
+                                           + (isHeightMap(a->scene) && !wantsRays.empty() ? ", and " + wantsRays + " asks for rays" : ""));
+        if (command.count("--error") > 0 && findRecipe(a->model)->name != "sh")
+            throw CLI::ValidationError("--error is for the model sh: others are fitted to 64 azimuths");
         if (a->isSwept && a->at.empty()) a->at = findRecipe(a->model)->name == "sh" ? "texels" : "vertices";
         if (a->isSwept && a->at == "texels" && findRecipe(a->model)->name != "sh")
             throw CLI::ValidationError("images hold the four numbers alone: --at vertices, or --model sh");

@@ -112,7 +112,7 @@ void addHeightMapOptions(CLI::App& command, HeightMapOptions& options) {
     command
         .add_option_function<std::string>(
             "--spacing", [&options](const std::string& text) { parsePair(text, options.spacingX, options.spacingZ); },
-            "metres between texels, or EASTxSOUTH [1]")
+            "metres of ground between texels, or EASTxSOUTH [as a GeoTIFF says, else 1]")
         ->type_name("M")
         ->group(group);
     command.add_option("--vertical-scale", options.verticalScale, "metres a unit of height [1]")

@@ -49,7 +49,8 @@ ExactCourse::ExactCourse(const SweepField& field_, const HighestHeights& highest
             const double end = double(first[kind].size()) * length;
             nearest[kind].push_back(crossings[at].inverse);
             // A crossing at the very end belongs to this length, whichever way its distance was rounded.
-            while (at < crossings.size() && crossings[at].inverse * end >= 1 - 1e-6) ++at;
+            do ++at;
+            while (at < crossings.size() && crossings[at].inverse * end >= 1 - 1e-6);
             farthest[kind].push_back(crossings[at - 1].inverse);
             first[kind].push_back(at);
         }

@@ -42,10 +42,13 @@ struct TexelTruth {
 
 std::vector<TexelTruth> truthOf(const HeightField& field, const SweepFields& fields, double curvature) {
     std::vector<TexelTruth> out;
-    for (uint64_t i = 0; out.size() < kTrueTexels && i < 100 * kTrueTexels; ++i) {
-        const int x = int(hashUnit(1, i, 0) * field.width), y = int(hashUnit(1, i, 1) * field.height);
-        if (!std::isnan(field.heights[size_t(y) * size_t(field.width) + size_t(x)])) out.push_back({x, y, 0, glm::vec3(0)});
-    }
+    const auto add = [&](size_t texel) {
+        if (!std::isnan(field.heights[texel]))
+            out.push_back({int(texel % size_t(field.width)), int(texel / size_t(field.width)), 0, glm::vec3(0)});
+    };
+    for (uint64_t i = 0; out.size() < kTrueTexels && i < 10 * kTrueTexels; ++i) add(size_t(hashUnit(1, i, 0) * double(field.texels())));
+    // Where few have data, those.
+    for (size_t texel = 0; out.size() < kTrueTexels && texel < field.texels(); ++texel) add(texel);
     const HighestHeights ofRows(fields.rows), ofColumns(fields.columns);
     std::vector<std::vector<float>> tangents(kTrueAzimuths, std::vector<float>(out.size()));
     tbb::parallel_for(0, kTrueAzimuths, [&](int k) {

@@ -27,7 +27,7 @@ struct OpenSky {
     std::vector<glm::vec3> direction;  // sr
     int azimuths = 0;                  // that it was found from
     double areaError = 0;              // RMS of area / 2 pi,
-    double directionError = 0;         // and of the angle to the true direction, degrees: at some texels, against exact horizons
+    double directionError = 0;         // and of the angle to the true direction, degrees: at 192 texels with data, against exact horizons
 };
 
 constexpr int kMostAzimuths = 64;  // of openSky: more make what lines err no smaller

@@ -66,12 +66,12 @@ std::string inWords(const char* format, auto... values) {
 
 // The sides of a cell and the north-western corner in the units of the map, from either of the two ways to say so.
 struct Affine {
-    double cellX = 0, cellY = 0, top = 0;  // cellY > 0 southwards
+    double cellX = 0, cellY = 0, left = 0, top = 0;  // cellY > 0 southwards
 };
 bool findAffine(const Georeference& g, MapGrid& grid, Affine& out) {
     if (g.transformation.size() >= 16) {
         const std::vector<double>& t = g.transformation;
-        out = {t[0], -t[5], t[7]};
+        out = {t[0], -t[5], t[3], t[7]};
         const double size = std::max(std::abs(t[0]), std::abs(t[5]));
         if (!(std::abs(t[1]) <= kSameTilt * size && std::abs(t[4]) <= kSameTilt * size)) {
             grid.fault = "its grid is turned or sheared against the map's north";
@@ -79,7 +79,9 @@ bool findAffine(const Georeference& g, MapGrid& grid, Affine& out) {
             return false;
         }
     } else if (g.pixelScale.size() >= 2) {
-        out = {g.pixelScale[0], g.pixelScale[1], g.tiePoints.size() >= 6 ? g.tiePoints[4] + g.tiePoints[1] * g.pixelScale[1] : 0};
+        out = {g.pixelScale[0], g.pixelScale[1], 0, 0};
+        if (g.tiePoints.size() >= 6)
+            out.left = g.tiePoints[3] - g.tiePoints[0] * out.cellX, out.top = g.tiePoints[4] + g.tiePoints[1] * out.cellY;
     } else {
         if (!g.tiePoints.empty()) grid.fault = "it is placed by tie points alone, without a size of its cells";
         return false;
@@ -87,13 +89,25 @@ bool findAffine(const Georeference& g, MapGrid& grid, Affine& out) {
     if (out.cellX < 0 || out.cellY < 0) {
         grid.fault = "its grid is mirrored: rows go north, or columns west";
         grid.isTurned = true;
-    } else if (!(out.cellX > 0 && out.cellY > 0 && std::isfinite(out.cellX + out.cellY + out.top))) {
+    } else if (!(out.cellX > 0 && out.cellY > 0 && std::isfinite(out.cellX + out.cellY + out.left + out.top))) {
         grid.fault = "the size of its cells is 0 or no number";
     }
     return grid.fault.empty();
 }
 
-MapGrid gridOf(const Georeference& georeference, GTIF* keys, int height) {
+// A code of the EPSG's register that could not be looked up: libgeotiff then takes degrees and metres for granted.
+bool isUnknown(const GTIFDefn& definition, const Georeference& georeference) {
+    const auto has = [&](int key) {
+        for (size_t i = 4; i + 3 < georeference.keys.size(); i += 4)
+            if (georeference.keys[i] == key) return true;
+        return false;
+    };
+    if (definition.Model == ModelTypeProjected)
+        return definition.PCS != KvUserDefined && definition.CTProjection == KvUserDefined && !has(ProjLinearUnitsGeoKey);
+    return definition.GCS != KvUserDefined && definition.Ellipsoid == KvUserDefined && !has(GeogAngularUnitsGeoKey);
+}
+
+MapGrid gridOf(const Georeference& georeference, GTIF* keys, int width, int height) {
     MapGrid out;
     Affine cell;
     if (!findAffine(georeference, out, cell)) return out;
@@ -101,6 +115,10 @@ MapGrid gridOf(const Georeference& georeference, GTIF* keys, int height) {
     std::memset(&definition, 0, sizeof definition);
     const bool isDefined = keys && !georeference.keys.empty() && GTIFGetDefn(keys, &definition);
     if (isDefined && definition.Model == ModelTypeGeographic) {
+        if (isUnknown(definition, georeference)) {
+            out.fault = inWords("its coordinate system, EPSG:%d, cannot be looked up in PROJ's database", int(definition.GCS));
+            return out;
+        }
         const double angle = definition.UOMAngleInDegrees > 0 ? definition.UOMAngleInDegrees : 1;
         const double top = cell.top * angle, bottom = top - height * cell.cellY * angle;
         const bool hasEllipsoid = definition.SemiMajor > 0 && definition.SemiMinor > 0;
@@ -128,15 +146,73 @@ MapGrid gridOf(const Georeference& georeference, GTIF* keys, int height) {
         return out;
     }
     const bool isProjected = isDefined && definition.Model == ModelTypeProjected;
-    if (!isProjected && cell.cellX < kFewMetres && cell.cellY < kFewMetres) {
+    if (isDefined && !isProjected && definition.Model != KvUserDefined) {
+        out.fault = "its coordinates are neither of a map nor degrees";
+        return out;
+    }
+    if (isProjected && isUnknown(definition, georeference)) {
+        out.fault = inWords("its coordinate system, EPSG:%d, cannot be looked up in PROJ's database", int(definition.PCS));
+        return out;
+    }
+    if (isProjected && definition.CTProjection == CT_Mercator) {
+        // The latitude of a northing, on a sphere: within .2 degrees of it on the ellipsoid.
+        const double radius = definition.SemiMajor > 0 ? definition.SemiMajor : kSemiMajor, degree = std::numbers::pi / 180;
+        const auto latitudeAt = [&](double northing) { return std::atan(std::sinh(northing / radius)) / degree; };
+        const double top = latitudeAt(cell.top), bottom = latitudeAt(cell.top - height * cell.cellY);
+        const double ratio = std::cos(top * degree) / std::cos(bottom * degree), stretch = std::max(ratio, 1 / ratio);
+        if (!(stretch <= kMostStretch)) {
+            out.fault = inWords(
+                "it is in Mercator's projection, and its cells are %.3g times as wide at one end of the map as at the other: project it to "
+                "metres first",
+                stretch);
+            return out;
+        }
+        const double latitude = (top + bottom) / 2, shrink = std::cos(latitude * degree);
+        out.spacingX = cell.cellX * shrink, out.spacingZ = cell.cellY * shrink;
+        out.note = inWords("cells of %.4g x %.4g m in Mercator's projection are %.4g x %.4g m of ground, as they are at %.4g degrees %s",
+                           cell.cellX, cell.cellY, out.spacingX, out.spacingZ, std::abs(latitude), latitude < 0 ? "south" : "north");
+        return out;
+    }
+    const bool seemsDegrees = std::abs(cell.left) <= 360 && std::abs(cell.top) <= 90 && width * cell.cellX <= 360
+                           && height * cell.cellY <= 180
+                           && (cell.left != 0 || cell.top != 0 || std::max(cell.cellX, cell.cellY) < kFewMetres);
+    if (!isProjected && seemsDegrees) {
         out.fault = "its cells seem to be of degrees, and it does not say so: give --spacing";
         return out;
     }
-    const double unit = isProjected && definition.UOMLengthInMeters > 0 ? definition.UOMLengthInMeters : 1;
+    const double unit = isProjected ? definition.UOMLengthInMeters : 1;
+    if (!(unit > 0 && std::isfinite(unit))) {
+        out.fault = "the unit of its coordinates is 0 or no number";
+        return out;
+    }
     out.spacingX = cell.cellX * unit, out.spacingZ = cell.cellY * unit;
     if (unit != 1)
         out.note = inWords("its cells of %.4g x %.4g units are %.4g x %.4g m", cell.cellX, cell.cellY, out.spacingX, out.spacingZ);
     return out;
+}
+
+// The text of an item of the first band that has a role in GDAL's metadata; empty where there is none.
+std::string itemOf(const std::string& metadata, const std::string& role) {
+    const size_t at = metadata.find("role=\"" + role + "\"");
+    const size_t begin = at == std::string::npos ? at : metadata.find('>', at);
+    const size_t end = begin == std::string::npos ? begin : metadata.find('<', begin);
+    return end == std::string::npos ? "" : metadata.substr(begin + 1, end - begin - 1);
+}
+
+// The number at the beginning of a text, blanks and a plus left out.
+template <typename T>
+T numberIn(std::string text, T otherwise) {
+    text.erase(0, std::min(text.find_first_not_of(" \t\r\n+"), text.size()));
+    T value = otherwise;
+    std::from_chars(text.data(), text.data() + text.size(), value);
+    return value;
+}
+
+// Metres a unit of heights, as GDAL calls it, or by its code in the EPSG's register; 0: another one.
+double metresIn(const std::string& unit, int code) {
+    if (unit == "ft" || unit == "foot" || (unit.empty() && code == 9002)) return 0.3048;
+    if (unit == "us-ft" || unit == "ftUS" || unit == "US survey foot" || (unit.empty() && code == 9003)) return 1200 / 3937.0;
+    return 1;
 }
 
 std::string escaped(const std::string& text) {
@@ -161,7 +237,7 @@ Georeference Georeference::receive(PipeReader& in) {
     return out;
 }
 
-GeoTiff readGeoTiff(const std::string& path, int height) {
+GeoTiff readGeoTiff(const std::string& path, int width, int height) {
     GeoTiff out{std::numeric_limits<float>::quiet_NaN(), {}, {}};
     TIFFSetWarningHandler(nullptr);
     TIFFSetErrorHandler(nullptr);
@@ -170,9 +246,7 @@ GeoTiff readGeoTiff(const std::string& path, int height) {
     uint32_t count = 0;
     const char* bytes = nullptr;
     if (TIFFGetField(tiff.get(), kNoDataTag, &count, &bytes) && bytes) {
-        std::string text(bytes, strnlen(bytes, count));
-        text.erase(0, text.find_first_not_of(' '));
-        std::from_chars(text.data(), text.data() + text.size(), out.noData);
+        out.noData = numberIn(std::string(bytes, strnlen(bytes, count)), out.noData);
     }
     Georeference& g = out.georeference;
     g.pixelScale = tagOf<double>(tiff.get(), TIFFTAG_GEOPIXELSCALE);
@@ -183,7 +257,13 @@ GeoTiff readGeoTiff(const std::string& path, int height) {
     const char* text = nullptr;
     if (TIFFGetField(tiff.get(), TIFFTAG_GEOASCIIPARAMS, &text) && text) g.text.assign(text, text + std::strlen(text) + 1);
     const std::unique_ptr<GTIF, FreeKeys> keys(g.keys.empty() ? nullptr : GTIFNew(tiff.get()));
-    out.grid = gridOf(g, keys.get(), height);
+    out.grid = gridOf(g, keys.get(), width, height);
+    std::string metadata;
+    if (TIFFGetField(tiff.get(), kMetadataTag, &count, &bytes) && bytes) metadata.assign(bytes, strnlen(bytes, count));
+    unsigned short code = 0;
+    if (keys) GTIFKeyGetSHORT(keys.get(), VerticalUnitsGeoKey, &code, 0, 1);
+    const double unit = metresIn(itemOf(metadata, "unittype"), code);
+    out.scale = unit * numberIn(itemOf(metadata, "scale"), 1.0), out.offset = unit * numberIn(itemOf(metadata, "offset"), 0.0);
     return out;
 }
 
@@ -191,14 +271,19 @@ void writeGeoTiff(const std::string& path, int width, int height, const Georefer
                   const std::vector<std::string>& descriptions,
                   const std::function<void(const std::function<void(int, std::span<const float>)>&)>& writeBands) {
     PendingFile pending(path);
+    struct Restored {
+        TIFFErrorHandler warnings, errors;
+        ~Restored() { TIFFSetWarningHandler(warnings), TIFFSetErrorHandler(errors); }
+    };
     static std::string cause;  // what libtiff said; it knows no other way
     cause.clear();
-    TIFFSetWarningHandler(nullptr);
-    TIFFSetErrorHandler([](const char*, const char* format, va_list values) {
+    const auto warnings = TIFFSetWarningHandler(nullptr);
+    const auto errors = TIFFSetErrorHandler([](const char*, const char* format, va_list values) {
         char text[200];
         std::vsnprintf(text, sizeof text, format, values);
         cause = text;
     });
+    const Restored restored{warnings, errors};
     const auto fail = [&] { throw Error(path + ": cannot be written" + (cause.empty() ? "" : ": " + cause)); };
     const double bytes = double(width) * height * double(descriptions.size()) * sizeof(float);
     std::unique_ptr<TIFF, CloseTiff> tiff(XTIFFOpen(pending.name().c_str(), bytes > kLargeFile ? "w8" : "w"));
@@ -223,6 +308,7 @@ void writeGeoTiff(const std::string& path, int width, int height, const Georefer
     TIFFSetField(t, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
     TIFFSetField(t, TIFFTAG_PREDICTOR, PREDICTOR_FLOATINGPOINT);
     TIFFSetField(t, TIFFTAG_ZIPQUALITY, 1);
+    TIFFSetField(t, TIFFTAG_SOFTWARE, "Apertura " APERTURA_VERSION);
     TIFFSetField(t, kNoDataTag, std::to_string(int(kNoData)).c_str());
     std::string metadata = "<GDALMetadata>\n";
     for (size_t i = 0; i < descriptions.size(); ++i)

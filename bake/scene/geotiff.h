@@ -32,14 +32,16 @@ struct MapGrid {
 };
 
 struct GeoTiff {
-    float noData;  // the height that stands for "no data", as GDAL writes it; NaN: none
+    float noData;                  // the number that stands for "no data", as GDAL writes it; NaN: none
+    double scale = 1, offset = 0;  // a height in metres is scale number + offset, by GDAL's metadata
     Georeference georeference;
     MapGrid grid;
 };
 
 // Reads the tags of a TIFF in this process. Cells of degrees become metres at the latitude of the middle of the map, by the file's
-// ellipsoid. `height`: of the image, texels. Throws nothing: of a damaged file it returns what can be read.
-GeoTiff readGeoTiff(const std::string& path, int height);
+// ellipsoid, and so do cells of Mercator's projection, which grow with the latitude. `width`, `height`: of the image, texels. Of Error it
+// throws nothing: of a damaged file it returns what can be read.
+GeoTiff readGeoTiff(const std::string& path, int width, int height);
 
 // Writes a TIFF of 32-bit floats, one plane a band, compressed without loss, with -9999 for NaN. It appears whole or not at all.
 //   descriptions  of the bands

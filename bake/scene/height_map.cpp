@@ -19,11 +19,14 @@ namespace apertura {
 namespace {
 
 constexpr float kVoid = std::numeric_limits<float>::quiet_NaN();
-constexpr float kHighest = 100e3f;         // metres; Olympus Mons rises 22 km
-constexpr float kFarthest = 1e7f;          // metres, beyond which no height is believed
-constexpr double kMostTexelsAByte = 4096;  // four times what deflate reaches on zeros
-constexpr double kBytesAVertex = 450;      // of a mesh with two triangles per vertex; measured while baking
-constexpr double kBytesATexel = 16;        // of a field, while it is read
+constexpr float kHighest = 100e3f;                          // metres; Olympus Mons rises 22 km
+constexpr float kDeepest = -11000;                          // metres; no sea is deeper
+constexpr double kLeastSpacing = 1e-4, kMostSpacing = 1e7;  // metres
+constexpr int kLongestSide = 1 << 20;                       // texels
+constexpr float kFarthest = 1e7f;                           // metres, beyond which no height is believed
+constexpr double kMostTexelsAByte = 4096;                   // four times what deflate reaches on zeros
+constexpr double kBytesAVertex = 450;                       // of a mesh with two triangles per vertex; measured while baking
+constexpr double kBytesATexel = 16;                         // of a field, while it is read
 constexpr int64_t kMostTexels = int64_t(1) << 32;
 constexpr size_t kMostVertices = size_t(1) << 26;  // 8192 squared; more would not fit into a .glb
 
@@ -67,6 +70,12 @@ std::string formatOf(const std::string& path) {
     const bool tiff = head.starts_with("II") || head.starts_with("MM");
     if (!tiff) throw Error("cannot be read as an image: it is no PNG, TIFF or EXR");
     return "tiff";
+}
+
+std::string inWords(const char* format, auto... values) {
+    char text[200];
+    std::snprintf(text, sizeof text, format, values...);
+    return text;
 }
 
 // Throws Error if a height cannot be: Terrarium tiles, which pack heights differently, come out as mountains of 800 km when they are
@@ -114,7 +123,7 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
                     + std::to_string(spec.height));
     const int64_t texels = int64_t(spec.width) * spec.height;
     const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " texels are ";
-    if (texels > kMostTexels) throw Error(size + "too many");
+    if (texels > kMostTexels || std::max(spec.width, spec.height) > kLongestSide) throw Error(size + "too many");
     // A file of a few bytes can claim any size.
     if (double(texels) > kMostTexelsAByte * double(std::filesystem::file_size(path)))
         throw Error(size + "more than a file of its size can hold");
@@ -134,20 +143,26 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
     map.field.width = spec.width, map.field.height = spec.height;
     std::vector<float>& heights = map.field.heights;
     float nothing = kVoid;
+    double scale = 1, offset = 0;  // metres a number, and of 0
     if (in->format_name() == std::string("tiff")) {
-        GeoTiff tags = readGeoTiff(path, spec.height);
+        GeoTiff tags = readGeoTiff(path, spec.width, spec.height);
         nothing = tags.noData;
+        scale = tags.scale, offset = tags.offset;
         map.georeference = std::move(tags.georeference);
         map.grid = std::move(tags.grid);
     }
     if (options.spacingX > 0) {
         map.field.spacingX = options.spacingX, map.field.spacingZ = options.spacingZ;
+        const auto differs = [](double own, double given) { return own > 0 && std::abs(own / given - 1) > 0.01; };
+        if (differs(map.grid.spacingX, options.spacingX) || differs(map.grid.spacingZ, options.spacingZ))
+            map.notes.push_back(inWords("--spacing is taken, though the file says %.4g x %.4g m", map.grid.spacingX, map.grid.spacingZ));
+        if (map.grid.isTurned) map.notes.push_back(map.grid.fault + ": the world lies as its rows and columns do");
     } else if (map.grid.spacingX > 0) {
         map.field.spacingX = map.grid.spacingX, map.field.spacingZ = map.grid.spacingZ;
         if (!map.grid.note.empty()) map.notes.push_back(map.grid.note);
     } else if (!map.grid.fault.empty()) {
-        throw Error(map.grid.fault
-                    + (map.grid.fault.find("--spacing") == std::string::npos ? "; --spacing says how far apart its texels are" : ""));
+        const bool saysHow = map.grid.isTurned || map.grid.fault.find("--spacing") != std::string::npos;
+        throw Error(map.grid.fault + (saysHow ? "" : "; --spacing says how far apart its texels are"));
     } else {
         map.notes.push_back("texels are taken for 1 m apart and heights for metres: --spacing and --vertical-scale say otherwise");
     }
@@ -166,10 +181,18 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
             float height = float(options.terrainRgb ? -10000 + 0.1 * (65536 * value(0) + 256 * value(1) + value(2)) : value(0));
             const bool transparent = !options.terrainRgb && channels == 2 && value(1) == 0;
             if (height == nothing || !std::isfinite(height) || transparent) height = kVoid;
-            heights.push_back(height * float(options.verticalScale));
+            heights.push_back(float((height * scale + offset) * options.verticalScale));
         }
     }
+    for (const double spacing : {map.field.spacingX, map.field.spacingZ})
+        if (!(spacing >= kLeastSpacing && spacing <= kMostSpacing))
+            throw Error(inWords("texels %.4g m apart: %g to %g can be", spacing, kLeastSpacing, kMostSpacing));
+    if (scale != 1 || offset != 0) map.notes.push_back(inWords("a height is %.6g times the file's number, and %.6g m more", scale, offset));
     requirePlausible(heights, options);
+    const float lowest = *std::min_element(heights.begin(), heights.end(),
+                                           [](float a, float b) { return a < b || (std::isnan(b) && !std::isnan(a)); });
+    if (std::isnan(nothing) && lowest < kDeepest)
+        map.notes.push_back(inWords("its lowest height is %g m: if that means that there is no data, it does not say so", double(lowest)));
     return map;
 }
 

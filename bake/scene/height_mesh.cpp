@@ -190,12 +190,16 @@ std::vector<Surface> decimatedMesh(const HeightField& field, double error, const
     const std::vector<glm::vec2> slopes = slopesOf(field);
     const Decimation decimation(field, error, progress);
     std::vector<Surface> out;
-    std::vector<uint32_t> vertex(field.texels());
+    std::vector<uint32_t> vertex(field.texels(), UINT32_MAX);
     constexpr int squares = kTileTexels / kLargest;
     for (int top = 0; top + 1 < field.height; top += kTileTexels)
         for (int left = 0; left + 1 < field.width; left += kTileTexels) {
             const Tile tile{left, top, std::min(kTileTexels + 1, field.width - left), std::min(kTileTexels + 1, field.height - top)};
-            std::fill(vertex.begin(), vertex.end(), UINT32_MAX);
+            // What it shares with tiles before has their numbers.
+            for (int y = top; y < top + tile.height; ++y) {
+                const auto row = vertex.begin() + std::ptrdiff_t(y) * field.width + left;
+                std::fill(row, row + tile.width, UINT32_MAX);
+            }
             Surface surface;
             const auto numberOf = [&](const Corner& p) {
                 const size_t texel = size_t(p.y) * size_t(field.width) + size_t(p.x);

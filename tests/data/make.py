@@ -257,6 +257,10 @@ def files():
         "heights_geotiff.tif": tiff(texels(height), "H", 1, place=[
             (33550, 12, "d", (0.001, 0.001, 0)), (33922, 12, "d", (0, 0, 0, 10, 45.002, 0)),
             (34735, 3, "H", (1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326))]),
+        # A tenth of a foot above 500 feet, by GDAL's metadata; no data where the number is 130, the file says +130.
+        "heights_scaled.tif": tiff(texels(height), "H", 1, no_data="+130", place=[(42112, 2, "B", (
+            b'<GDALMetadata><Item name="OFFSET" sample="0" role="offset">500</Item><Item name="SCALE" sample="0" role="scale">0.1</Item>'
+            b'<Item name="UNITTYPE" sample="0" role="unittype">ft</Item></GDALMetadata>\0'))]),
         "heights_f64.tif": tiff(texels(lambda x, y: height(x, y) - 200), "d", 3),
         "heights_f32.exr": exr(texels(hole(float("nan"))), False),
         "heights_f16.exr": exr(texels(hole(float("nan"))), True),
