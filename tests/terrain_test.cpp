@@ -112,6 +112,9 @@ TEST(Terrain, IsTracedWhereAnOptionAsksForRays) {
     expectRefusal("bake " + map + " -o " + glb + " --at vertices --mesh-error 1", 2, "--mesh-error");
     expectRefusal("bake " + map + " -o " + glb + " --at texels --model firm-2", 2, "four numbers");
     expectRefusal("bake " + map + " -o " + glb + " --error nan", 2, "--error");
+    expectRefusal("bake " + map + " -o " + glb + " --model firm-2 --error 0.1", 2, "--error");
+    expectRefusal("bake " + map + " -o " + glb + " --spacing 1e45", 1, "apart");
+    expectRefusal("bake " + (folder / "none.tif") + " -o " + glb, 1, "No such file");
 }
 
 TEST(HorizonCommand, WritesTheHorizonsOfAWallInDegrees) {
@@ -212,6 +215,7 @@ TEST(HorizonCommand, RefusesInALineAndLeavesNothing) {
     const std::string askew = writeMap(folder, "askew.tif", 20, 20, hills, turned);
     expectRefusal("horizon " + askew + " -o " + out, 1, "turned");
     expectRefusal("horizon " + askew + " -o " + out + " --spacing 10", 1, "north");
+    expectRefusal("horizon " + map + " -o " + out + " --exact --spacing 1e45", 1, "apart");
     expectRefusal("bake " + askew + " -o " + (folder / "x.glb"), 1, "turned");
     expectRefusal("horizon " + writeMap(folder, "holes.tif", 20, 20, [](int, int) { return kHole; }) + " -o " + out, 1, "no data at any");
     expectRefusal("horizon " + writeMap(folder, "line.tif", 20, 1, hills) + " -o " + out, 1, "2 x 2");

@@ -95,7 +95,6 @@ void run(Arguments a) {
     if (!isHeightMap(a.map)) throw CLI::ValidationError(a.map + " is no height map that is read: .png .tif .tiff .exr");
     refuseToReplaceInput(a.map, a.out);
     requireWritable(a.out);
-    requireOrdinaryFile(a.map);
     const HeightMap map = loadHeights(a.map, a.options);
     const HeightField& field = map.field;
     if (map.grid.isTurned) throw Error(a.map + ": " + map.grid.fault + ", so that its rows do not tell where north is");

@@ -13,6 +13,7 @@
 
 #include "apertura/bake/scene/height_mesh.h"
 #include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/isolated.h"
 
 namespace apertura {
@@ -197,6 +198,7 @@ HeightMap readHeights(const std::string& path, const HeightMapOptions& options) 
 }
 
 HeightMap loadHeights(const std::string& path, const HeightMapOptions& options) {
+    requireOrdinaryFile(path);
     HeightMap map;
     const auto work = [&](PipeWriter& out) {
         const HeightMap read = readHeights(path, options);
