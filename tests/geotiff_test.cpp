@@ -33,7 +33,7 @@ std::string writeMap(const Folder& folder, const Georeference& georeference, int
     writeGeoTiff(path, 8, height, georeference, {"heights"}, [&](const auto& put) {
         std::vector<float> band;
         for (int i = 0; i < 8 * height; ++i) band.push_back(i == 10 ? std::numeric_limits<float>::quiet_NaN() : float(i));
-        put(0, band);
+        put(0, 0, band);
     });
     return path;
 }

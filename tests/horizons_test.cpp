@@ -17,7 +17,7 @@
 namespace apertura {
 namespace plain {
 void sweepLines(SweepField& field, const SweepDirection& direction, int first, int end, const SweepHorizons& keep);
-void exactTangents(const ExactCourse& course, int a0, int a1, int b, float* to, size_t stride);
+void exactTangents(const ExactCourse& course, int y0, int y1, int x, float* to, size_t stride);
 }  // namespace plain
 
 namespace test {
@@ -31,7 +31,7 @@ std::vector<std::vector<float>> horizonsOf(const HeightField& field, const std::
     for (const double d : degrees) azimuths.push_back(d * kDegree);
     std::vector<std::vector<float>> out(degrees.size());
     findHorizons(field, azimuths, options,
-                 [&](size_t k, std::span<const float> tangents) { out[k].assign(tangents.begin(), tangents.end()); });
+                 [&](size_t k, int, std::span<const float> tangents) { out[k].insert(out[k].end(), tangents.begin(), tangents.end()); });
     return out;
 }
 HorizonOptions exactly() {
@@ -263,24 +263,29 @@ TEST(Horizons, AreTheSameOnAllProcessors) {
     for (const double degrees : {20.0, 45.0, 77.0, 90.0, 130.0, 200.0}) {
         SweepFields fields[2]{{field, true}, {field, true}};
         const SweepCourse course = courseOf(field, degrees * kDegree, 1e-7);
-        std::vector<float> tangents[2][2];
+        std::vector<float> tangents[2][2], exacts[2];
         for (size_t k = 0; k < 2; ++k) {
             SweepField& across = course.columns ? fields[k].columns : fields[k].rows;
             SweepDirection direction = course.direction;
-            for (int way = 0; way < 2; ++way) direction.crossings[way] = crossingsOf(across, course, way, kNear);
+            for (int way = 0; way < 2; ++way)
+                direction.crossings[way] = crossingsOf(across.stride, course.perStep(way), course.step, 1e-7, kNear);
             const auto sweepBy = k == 0 ? sweepLines : plain::sweepLines;
             sweepBy(across, direction, 0, sweepGroups(across, direction), {});
             for (std::vector<float>& t : tangents[k]) t.assign(across.size(), 0);
             sweepBy(across, direction, 0, sweepGroups(across, direction), {{tangents[k][0].data(), tangents[k][1].data()}});
-            const HighestHeights highest(across);
-            const ExactCourse exact(across, highest, course, 0, 0);
-            (k == 0 ? exactTangents : plain::exactTangents)(exact, 0, across.along, 8, &tangents[k][0][across.at(0, 8)], across.stride);
+            const SweepField& rows = fields[k].rows;
+            const HighestHeights highest(rows);
+            const glm::dvec2 perMetre(std::sin(degrees * kDegree) / field.spacingX, -std::cos(degrees * kDegree) / field.spacingZ);
+            const ExactCourse exact(rows, highest, perMetre, 1e-7, 0);
+            exacts[k].assign(rows.size(), 0);
+            (k == 0 ? exactTangents : plain::exactTangents)(exact, 0, rows.along, 8, exacts[k].data(), rows.stride);
         }
         const SweepField &one = course.columns ? fields[0].columns : fields[0].rows,
                          &other = course.columns ? fields[1].columns : fields[1].rows;
         EXPECT_EQ(one.area, other.area) << degrees;
         EXPECT_EQ(one.vertical, other.vertical) << degrees;
         EXPECT_EQ(one.horizontal[0], other.horizontal[0]) << degrees;
+        EXPECT_EQ(exacts[0], exacts[1]) << degrees;
         EXPECT_EQ(tangents[0][0], tangents[1][0]) << degrees;
         EXPECT_EQ(tangents[0][1], tangents[1][1]) << degrees;
         EXPECT_GT(one.area[one.at(30, 30)], 0);
@@ -332,6 +337,17 @@ TEST(Horizons, OfTheSweepAreGoodBesideBordersAndHoles) {
     for (const auto& [width, height] : {std::pair(2, 200), {200, 2}, {3, 3}}) {
         EXPECT_LT(apart(mountains(width, height, 30, 30), {0, 72, 144, 216, 288}, differ, everywhere), 4) << width;
         EXPECT_EQ(differ, 0u) << width;
+    }
+}
+
+TEST(Horizons, AreTheSameInBandsOfAnyHeight) {
+    const HeightField field = mountains(70, 83, 30, 20);
+    const std::vector<double> degrees{0, 33, 90, 141, 262.5};
+    HorizonOptions options = exactly();
+    const auto whole = horizonsOf(field, degrees, options);
+    for (const int band : {1, 7, 40, 100}) {
+        options.band = band;
+        EXPECT_EQ(horizonsOf(field, degrees, options), whole) << band;
     }
 }
 

@@ -125,7 +125,7 @@ void HorizonsATexel(benchmark::State& state) {
         for (int k = 0; k < kAzimuths; ++k) azimuths.push_back(2 * pi * k / kAzimuths);
         HorizonOptions options;
         options.isExact = isExact;
-        return processorTimeOf([&] { findHorizons(field, azimuths, options, [](size_t, std::span<const float>) {}); });
+        return processorTimeOf([&] { findHorizons(field, azimuths, options, [](size_t, int, std::span<const float>) {}); });
     };
     for (auto _ : state) {
         int few = 0;

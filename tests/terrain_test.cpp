@@ -25,7 +25,7 @@ std::string writeMap(const Folder& folder, const std::string& name, int width, i
     std::vector<float> band;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) band.push_back(float(heightAt(x, y)));
-    writeGeoTiff(folder / name, width, height, georeference, {"heights"}, [&](const auto& put) { put(0, band); });
+    writeGeoTiff(folder / name, width, height, georeference, {"heights"}, [&](const auto& put) { put(0, 0, band); });
     return folder / name;
 }
 
@@ -95,6 +95,21 @@ TEST(Terrain, HasTheSameBytesForAnyNumberOfThreads) {
             ASSERT_EQ(run("horizon " + map + " -o " + (folder / threads) + ".tif --azimuths 6 --threads " + threads + exact).code, 0);
         EXPECT_EQ(slurp(folder / "1.tif"), slurp(folder / "4.tif")) << exact;
     }
+}
+
+TEST(HorizonCommand, WritesTheSameInBandsThatFitIntoMemory) {
+    const Folder folder;
+    const std::string map = writeMap(folder, "map.tif", 1500, 300, hills);
+    for (const std::string what : {"--azimuths 3", "--quantity openness --azimuths 5"}) {
+        ASSERT_EQ(run("horizon " + map + " --exact -o " + (folder / "whole.tif") + " " + what).code, 0);
+        // A field of 1600 x 400 places at 9 bytes, and bands of some 60 rows.
+        const Result r = run("horizon " + map + " --exact -o " + (folder / "bands.tif") + " --memory 0.007 " + what);
+        ASSERT_EQ(r.code, 0) << r.error;
+        const Bands whole = readBands(folder / "whole.tif"), bands = readBands(folder / "bands.tif");
+        EXPECT_EQ(whole.values, bands.values) << what;
+    }
+    expectRefusal("horizon " + map + " --exact -o " + (folder / "x.tif") + " --memory 0.005", 1, "--memory");
+    expectRefusal("horizon " + map + " -o " + (folder / "x.tif") + " --memory 0.007", 1, "--exact");
 }
 
 TEST(Terrain, IsTracedWhereAnOptionAsksForRays) {

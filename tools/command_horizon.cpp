@@ -23,9 +23,11 @@ using std::numbers::pi;
 
 constexpr double kEarth = 6371000;   // metres, the mean radius
 constexpr double kMinutesAStep = 5;  // of the sun's way
-constexpr double kBytesATexel = 36;  // of a field, both its ways through memory, and results
+constexpr double kSweepBytes = 36;   // a texel, of both ways through a field and results
 constexpr double kAround = 100;      // texels
-constexpr double kExactBytes = 4;    // more
+constexpr double kExactBytes = 9;    // of a field alone
+constexpr double kRowBytes = 12;     // a texel of a band
+constexpr double kMostBytes = 4e9;   // that bands take, where nothing else is said
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
 struct Arguments {
@@ -89,6 +91,24 @@ float shareOf(const Product& product, size_t azimuth, float tangent) {
     }
 }
 
+// Exact horizons are found in bands of as many rows as there is memory for; a sweep has the whole map in memory. Throws Error where that
+// is not enough.
+void setBand(Arguments& a, const HeightField& field) {
+    // With what surrounds a field on all sides.
+    const double places = (double(field.width) + kAround) * (double(field.height) + kAround);
+    const double bytes = places * (a.horizons.isExact ? kExactBytes : kSweepBytes), row = kRowBytes * (double(field.width) + kAround);
+    const int rows = rowsAStrip(field.width);
+    const double least = bytes + (a.horizons.isExact ? rows * row : 0), most = a.memory > 0 ? 1e9 * a.memory : kMostBytes;
+    if (a.memory <= 0) requireMemory(a.map, std::to_string(field.width) + " x " + std::to_string(field.height) + " texels", least);
+    if (a.memory > 0 && least > most) {
+        char text[200];
+        std::snprintf(text, sizeof text, ": %d x %d texels take %.3g GB, more than --memory%s", field.width, field.height, least / 1e9,
+                      a.horizons.isExact ? "" : "; --exact takes a quarter of that");
+        throw Error(a.map + text);
+    }
+    if (a.horizons.isExact) a.horizons.band = rows * int(std::clamp((most - bytes) / row / rows, 1.0, 1e6));
+}
+
 void run(Arguments a) {
     const std::string ending = std::filesystem::path(a.out).extension().string();
     if (ending != ".tif" && ending != ".tiff") throw CLI::ValidationError("-o " + a.out + " ends neither in .tif nor in .tiff");
@@ -102,39 +122,38 @@ void run(Arguments a) {
         if (!map.grid.isGeographic) throw CLI::ValidationError("--latitude is needed: the coordinates of " + a.map + " are not degrees");
         a.latitude = map.grid.latitude;
     }
-    // With what surrounds a field on all sides.
-    const double places = (double(field.width) + kAround) * (double(field.height) + kAround);
-    const double bytes = places * (kBytesATexel + (a.horizons.isExact ? kExactBytes : 0));
-    if (a.memory > 0 && bytes > a.memory * 1e9) {
-        char text[160];
-        std::snprintf(text, sizeof text, ": %d x %d texels take %.3g GB, more than --memory", field.width, field.height, bytes / 1e9);
-        throw Error(a.map + text);
-    }
-    if (a.memory <= 0) requireMemory(a.map, std::to_string(field.width) + " x " + std::to_string(field.height) + " texels", bytes);
+    setBand(a, field);
     if (a.isCurved) a.horizons.curvature = (1 - a.refraction) / (2 * kEarth);
     const Product product = productOf(a);
     {
         ProgressBar bar(a.horizons.isExact ? "looking" : "sweeping");
         const bool isSum = product.quantity != Quantity::Horizons;
         const auto writeBands = [&](const auto& put) {
-            std::vector<float> band(field.texels(), 0);
-            const auto hide = [&] {
-                for (size_t i = 0; i < band.size(); ++i)
-                    if (std::isnan(field.heights[i])) band[i] = std::numeric_limits<float>::quiet_NaN();
+            std::vector<float> sums;  // of the rows from `first` on
+            int first = 0;
+            const auto finish = [&](int band, int row, std::vector<float>& values) {
+                const float* const heights = &field.heights[size_t(row) * size_t(field.width)];
+                for (size_t i = 0; i < values.size(); ++i)
+                    if (std::isnan(heights[i])) values[i] = std::numeric_limits<float>::quiet_NaN();
+                put(band, row, values);
             };
-            const auto use = [&](size_t k, std::span<const float> tangents) {
-                tbb::parallel_for(size_t(0), size_t(field.height), [&](size_t y) {
-                    for (size_t i = y * size_t(field.width); i < (y + 1) * size_t(field.width); ++i)
-                        band[i] = isSum ? band[i] + shareOf(product, k, tangents[i]) : float(std::atan(double(tangents[i])) * 180 / pi);
+            const auto use = [&](size_t k, int row, std::span<const float> tangents) {
+                if (!isSum || row != first || sums.empty()) {
+                    if (isSum && !sums.empty()) finish(0, first, sums);
+                    sums.assign(tangents.size(), 0);
+                    first = row;
+                }
+                tbb::parallel_for(tbb::blocked_range<size_t>(0, sums.size(), 1 << 14), [&](const tbb::blocked_range<size_t>& range) {
+                    for (size_t i = range.begin(); i < range.end(); ++i)
+                        sums[i] = isSum ? sums[i] + shareOf(product, k, tangents[i]) : float(std::atan(double(tangents[i])) * 180 / pi);
                 });
-                if (isSum) return;
-                hide();
-                put(int(k), band);
+                if (!isSum) finish(int(k), row, sums);
             };
             findHorizons(field, product.azimuths, a.horizons, use, bar.callback());
             if (!isSum) return;
-            hide();
-            put(0, band);
+            // In the polar night nothing was looked at.
+            if (sums.empty()) sums.assign(field.texels(), 0);
+            finish(0, first, sums);
         };
         writeGeoTiff(a.out, field.width, field.height, map.georeference, product.descriptions, writeBands);
     }
@@ -183,7 +202,7 @@ void addHorizonCommand(CLI::App& program) {
     command.add_option("--max-distance", a->horizons.farthest, "with --exact, metres beyond which nothing hides anything [no limit]")
         ->check(finiteRange(1e-3, 1e9))
         ->type_name("M");
-    command.add_option("--memory", a->memory, "gigabytes that it may take [half of this machine's]")
+    command.add_option("--memory", a->memory, "gigabytes that it may take: --exact then goes in bands of rows [half of this machine's]")
         ->check(finiteRange(1e-3, 1e6))
         ->type_name("G");
     command.add_option("--threads", a->horizons.threads, "[all cores]; the result is the same for any number")

@@ -1,7 +1,6 @@
 #pragma once
-// Horizons along the line through each texel itself: exact on the triangles of a height field, at some ten times the time of a sweep.
-#include <memory>
-#include <span>
+// Horizons along the line through each texel itself: exact on the triangles of a height field, at some eight times the time of a sweep.
+#include <glm/glm.hpp>
 #include <vector>
 
 #include "apertura/bake/sampling/sweep_fields.h"
@@ -15,36 +14,37 @@ public:
 
     // Texels a side of the squares, of either kind.
     static constexpr int kSides[2] = {64, 16};
-    // No height within a0 .. a1 and b0 .. b1, texels, all included, is larger; SweepField::kNone where that is outside the field.
-    float largest(int kind, int a0, int a1, int b0, int b1) const;
+    // No height within the rows y0 .. y1 and the columns x0 .. x1, all included, is larger; SweepField::kNone where that is outside the
+    // field.
+    float largest(int kind, int y0, int y1, int x0, int x1) const;
     float largest() const { return all_; }
 
 private:
     int rows_[2], columns_[2];
     std::vector<float> heights_[2];
-    int along_, across_;
+    int height_, width_;
     float all_ = SweepField::kNone;
 };
 
-// The way towards one azimuth, prepared for all texels.
+// The way towards one azimuth, prepared for all texels of a field's rows.
 struct ExactCourse {
-    // `way` 0: in the course's direction, 1: opposite to it. `farthest`: metres beyond which nothing counts; 0: no limit. The field and
-    // `highest`, which is made of it, must outlive it.
-    ExactCourse(const SweepField& field, const HighestHeights& highest, const SweepCourse& course, int way, double farthest);
+    //   rows      rowsOf a field; `highest` is made of them. Both must outlive it
+    //   perMetre  texels to the east and to the south
+    //   limit     metres beyond which nothing counts; 0: none
+    ExactCourse(const SweepField& rows, const HighestHeights& highest, const glm::dvec2& perMetre, double curvature, double limit);
 
-    const SweepField& field;
+    const SweepField& rows;
     const HighestHeights& highest;
-    double shift;                                // texels across for each step along, in the direction of the way
-    double step;                                 // metres
-    int sign;                                    // of steps along
+    double step;                                 // metres, of a texel to the side in which most are crossed
+    glm::dvec2 perStep;                          // texels to the east and to the south
     std::vector<SweepCrossing> crossings;        // by distance
     std::vector<size_t> first[2];                // of each length of HighestHeights::kSides steps: its first crossing, and one more
     std::vector<float> nearest[2], farthest[2];  // 1 / metres, of the crossings of each length
 };
 
-// The tangents of the horizons of the texels at a0 .. a1 - 1 along, and from across `b` to b + 7, kNoHorizon where there is none, to places
-// that are laid out as the field's heights. Of texels without a height, and of places outside the field, they have no meaning. The result
-// is the same to the bit on all processors, and whatever the range.
-void exactTangents(const ExactCourse& course, int a0, int a1, int b, float* to, size_t stride);
+// The tangents of the horizons of the texels in the rows y0 .. y1 - 1, and in the columns from x to x + 7, kNoHorizon where there is none:
+// those of a row go to to[(y - y0) * stride] and after. Of texels without a height, and of places outside the field, they have no meaning.
+// The result is the same to the bit on all processors, and whatever the range.
+void exactTangents(const ExactCourse& course, int y0, int y1, int x, float* to, size_t stride);
 
 }  // namespace apertura

@@ -20,7 +20,7 @@ HorizonOcclusion::HorizonOcclusion(const HeightField& field, int azimuths, const
       heights_(field.texels() * size_t(azimuths)) {
     std::vector<double> all;
     for (int k = 0; k < azimuths; ++k) all.push_back(2 * std::numbers::pi * k / azimuths);
-    const auto keep = [&](size_t k, std::span<const float> tangents) {
+    const auto keep = [&](size_t k, int, std::span<const float> tangents) {
         for (size_t i = 0; i < tangents.size(); ++i) {
             const float t = tangents[i], sine = std::isfinite(t) ? t / std::sqrt(1 + t * t) : -1;
             heights_[i * size_t(azimuths) + k] = int16_t(std::lround(kScale * sine));

@@ -23,14 +23,20 @@ using std::numbers::pi;
 constexpr int kGroupsATask = 2;  // of lines
 constexpr int kFewestAzimuths = 8;
 constexpr double kSameAzimuth = 1e-9;                 // radians
-constexpr int kTrueTexels = 192, kTrueAzimuths = 64;  // where and by which sums over azimuths are judged
+constexpr int kTrueTexels = 128, kTrueAzimuths = 64;  // where and by which sums over azimuths are judged
 
 void sweep(SweepFields& fields, SweepCourse course, const SweepHorizons& keep) {
     SweepField& field = course.columns ? fields.columns : fields.rows;
-    for (int way = 0; way < 2; ++way) course.direction.crossings[way] = crossingsOf(field, course, way, kNear);
+    for (int way = 0; way < 2; ++way)
+        course.direction.crossings[way] = crossingsOf(field.stride, course.perStep(way), course.step, course.direction.curvature, kNear);
     const int groups = sweepGroups(field, course.direction);
     tbb::parallel_for(tbb::blocked_range<int>(0, groups, kGroupsATask),
                       [&](const tbb::blocked_range<int>& range) { sweepLines(field, course.direction, range.begin(), range.end(), keep); });
+}
+
+// Texels to the east and to the south, a metre towards an azimuth.
+glm::dvec2 perMetre(const HeightField& field, double azimuth) {
+    return {std::sin(azimuth) / field.spacingX, -std::cos(azimuth) / field.spacingZ};
 }
 
 // What a texel sees by exact horizons.
@@ -49,16 +55,13 @@ std::vector<TexelTruth> truthOf(const HeightField& field, const SweepFields& fie
     for (uint64_t i = 0; out.size() < kTrueTexels && i < 10 * kTrueTexels; ++i) add(size_t(hashUnit(1, i, 0) * double(field.texels())));
     // Where few have data, those.
     for (size_t texel = 0; out.size() < kTrueTexels && texel < field.texels(); ++texel) add(texel);
-    const HighestHeights ofRows(fields.rows), ofColumns(fields.columns);
+    const HighestHeights highest(fields.rows);
     std::vector<std::vector<float>> tangents(kTrueAzimuths, std::vector<float>(out.size()));
     tbb::parallel_for(0, kTrueAzimuths, [&](int k) {
-        const SweepCourse course = courseOf(field, 2 * pi * k / kTrueAzimuths, curvature);
-        const ExactCourse exact(course.columns ? fields.columns : fields.rows, course.columns ? ofColumns : ofRows, course,
-                                course.backwards, 0);
+        const ExactCourse exact(fields.rows, highest, perMetre(field, 2 * pi * k / kTrueAzimuths), curvature, 0);
         for (size_t i = 0; i < out.size(); ++i) {
-            const int a = course.columns ? out[i].x : out[i].y, b = course.columns ? out[i].y : out[i].x;
             float all[kLanes];
-            exactTangents(exact, a, a + 1, b, all, kLanes);
+            exactTangents(exact, out[i].y, out[i].y + 1, out[i].x, all, kLanes);
             tangents[size_t(k)][i] = all[0];
         }
     });
@@ -132,46 +135,67 @@ OpenSky openSky(const HeightField& field, double error, const HorizonOptions& op
     return out;
 }
 
+namespace {
+
+// The rows from `row` on of what was found, and -infinity where there is nothing.
+void keepRows(const SweepField& rows, int row, int count, const float* from, size_t stride, std::vector<float>& out) {
+    tbb::parallel_for(0, count, [&](int i) {
+        const float *line = from + size_t(i) * stride, *heights = &rows.heights[rows.at(row + i, 0)];
+        float* to = &out[size_t(i) * size_t(rows.across)];
+        for (int x = 0; x < rows.across; ++x)
+            to[x] = line[x] > kNoHorizon && heights[x] > SweepField::kNone / 2 ? line[x] : -std::numeric_limits<float>::infinity();
+    });
+}
+
+void findExactly(const HeightField& field, std::span<const double> azimuths, const HorizonOptions& options,
+                 const std::function<void(size_t, int, std::span<const float>)>& use, const Progress& progress) {
+    const SweepField rows = rowsOf(field);
+    const HighestHeights highest(rows);
+    const int band = options.band > 0 ? std::min(options.band, field.height) : field.height;
+    const int strips = (field.width + kLanes - 1) / kLanes;
+    const size_t stride = size_t(strips) * kLanes;
+    std::vector<float> tangents(size_t(band) * stride), out;
+    for (int row = 0; row < field.height; row += band) {
+        const int end = std::min(row + band, field.height);
+        out.resize(size_t(end - row) * size_t(field.width));
+        for (size_t k = 0; k < azimuths.size(); ++k) {
+            const ExactCourse course(rows, highest, perMetre(field, azimuths[k]), options.curvature, options.farthest);
+            tbb::parallel_for(0, strips,
+                              [&](int s) { exactTangents(course, row, end, s * kLanes, &tangents[size_t(s) * kLanes], stride); });
+            keepRows(rows, row, end - row, tangents.data(), stride, out);
+            use(k, row, out);
+            throwIfStopped(progress, (double(row) + double(end - row) * double(k + 1) / double(azimuths.size())) / field.height);
+        }
+    }
+}
+
+}  // namespace
+
 void findHorizons(const HeightField& field, std::span<const double> azimuths, const HorizonOptions& options,
-                  const std::function<void(size_t, std::span<const float>)>& use, const Progress& progress) {
+                  const std::function<void(size_t, int, std::span<const float>)>& use, const Progress& progress) {
     const auto limit = limitTo(options.threads);
+    if (options.isExact) return findExactly(field, azimuths, options, use, progress);
     SweepFields fields(field, false);
-    std::optional<HighestHeights> ofRows, ofColumns;
-    if (options.isExact) ofRows.emplace(fields.rows), ofColumns.emplace(fields.columns);
     std::vector<float> tangents[2], rows(field.texels());
     for (std::vector<float>& t : tangents) t.resize(std::max(fields.rows.size(), fields.columns.size()));
     std::vector<bool> isDone(azimuths.size(), false);
     for (size_t k = 0; k < azimuths.size(); ++k) {
         if (isDone[k]) continue;
         const SweepCourse course = courseOf(field, azimuths[k], options.curvature);
-        const SweepField& across = course.columns ? fields.columns : fields.rows;
         // Which of the azimuths lies forwards along the course, and which backwards.
         size_t opposite = k + 1;
         while (opposite < azimuths.size() && std::abs(std::remainder(azimuths[opposite] - azimuths[k] - pi, 2 * pi)) > kSameAzimuth)
             ++opposite;
-        size_t along[2] = {k, opposite};
-        if (course.backwards) std::swap(along[0], along[1]);
-        if (!options.isExact) sweep(fields, course, {{tangents[0].data(), tangents[1].data()}});
+        size_t wayOf[2] = {k, opposite};
+        if (course.backwards) std::swap(wayOf[0], wayOf[1]);
+        sweep(fields, course, {{tangents[0].data(), tangents[1].data()}});
         for (size_t way = 0; way < 2; ++way) {
-            if (along[way] == azimuths.size()) continue;
-            if (options.isExact) {
-                const ExactCourse exact(across, course.columns ? *ofColumns : *ofRows, course, int(way), options.farthest);
-                tbb::parallel_for(0, (across.across + kLanes - 1) / kLanes, [&](int strip) {
-                    exactTangents(exact, 0, across.along, strip * kLanes, &tangents[way][across.at(0, strip * kLanes)], across.stride);
-                });
-            }
+            if (wayOf[way] == azimuths.size()) continue;
             if (course.columns) fields.turnBack(tangents[way], rows);
-            tbb::parallel_for(0, field.height, [&](int y) {
-                const size_t row = size_t(y) * size_t(field.width);
-                const float *from = course.columns ? &rows[row] : &tangents[way][fields.rows.at(y, 0)],
-                            *heights = &fields.rows.heights[fields.rows.at(y, 0)];
-                for (int x = 0; x < field.width; ++x)
-                    rows[row + size_t(x)] = from[x] > kNoHorizon && heights[x] > SweepField::kNone / 2
-                                              ? from[x]
-                                              : -std::numeric_limits<float>::infinity();
-            });
-            use(along[way], rows);
-            isDone[along[way]] = true;
+            const float* const from = course.columns ? rows.data() : &tangents[way][fields.rows.at(0, 0)];
+            keepRows(fields.rows, 0, field.height, from, course.columns ? size_t(field.width) : fields.rows.stride, rows);
+            use(wayOf[way], 0, rows);
+            isDone[wayOf[way]] = true;
             throwIfStopped(progress, double(std::count(isDone.begin(), isDone.end(), true)) / double(azimuths.size()));
         }
     }

@@ -17,8 +17,9 @@ struct HorizonOptions {
     double curvature = 0;  // metres that the ground falls by, a squared metre: (1 - refraction) / (2 radius); 0: the earth is flat
     int threads = 0;       // 0: all cores
     // findHorizons only:
-    bool isExact = false;  // along a line through each texel itself; false: a sweep, which errs by .3 to .6 degrees (RMS) on mountains
+    bool isExact = false;  // along a line through each texel itself; false: a sweep, which errs by .2 to .3 degrees (RMS) on mountains
     double farthest = 0;   // exact only: metres beyond which nothing hides anything; 0: no limit
+    int band = 0;          // exact only: rows at once; 0: all
 };
 
 // Visibility of each texel in the hemisphere about the surface's normal there: A and D in the world (+x east, +y up, +z south).
@@ -27,7 +28,7 @@ struct OpenSky {
     std::vector<glm::vec3> direction;  // sr
     int azimuths = 0;                  // that it was found from
     double areaError = 0;              // RMS of area / 2 pi,
-    double directionError = 0;         // and of the angle to the true direction, degrees: at 192 texels with data, against exact horizons
+    double directionError = 0;         // and of the angle to the true direction, degrees: at 128 texels with data, against exact horizons
 };
 
 constexpr int kMostAzimuths = 64;  // of openSky: more make what lines err no smaller
@@ -36,11 +37,12 @@ constexpr int kMostAzimuths = 64;  // of openSky: more make what lines err no sm
 // the sky as wide as they are apart. The result does not depend on the number of threads. Throws Cancelled.
 OpenSky openSky(const HeightField& field, double error, const HorizonOptions& options, const Progress& progress = {});
 
-// Calls use(k, tangents) once for each of the azimuths, in any order, from this thread: the tangents of all texels' horizons towards
-// azimuths[k], radians from north by east, row after row; -infinity where the surface has nothing in that direction, and at texels without
-// data. Two azimuths that are opposite to each other take hardly longer than one. The result does not depend on the number of threads.
-// Throws Cancelled.
+// Calls use(k, row, tangents) from this thread: the tangents of the horizons of all texels from the field's row `row` on, row after row,
+// towards azimuths[k], radians from north by east; -infinity where the surface has nothing in that direction, and at texels without data.
+// Swept, it is called once for each azimuth, in any order, with all rows; two azimuths that are opposite to each other take hardly longer
+// than one. Exact, it is called for each band of rows with each azimuth, in their order. The result does not depend on the number of
+// threads nor on the bands. Throws Cancelled.
 void findHorizons(const HeightField& field, std::span<const double> azimuths, const HorizonOptions& options,
-                  const std::function<void(size_t, std::span<const float>)>& use, const Progress& progress = {});
+                  const std::function<void(size_t, int, std::span<const float>)>& use, const Progress& progress = {});
 
 }  // namespace apertura

@@ -129,37 +129,45 @@ SweepCourse courseOf(const HeightField& of, double azimuth, double curvature) {
     return out;
 }
 
-std::vector<SweepCrossing> crossingsOf(const SweepField& field, const SweepCourse& course, int way, int reach) {
-    const double shift = course.direction.shift, curvature = course.direction.curvature;
-    const int sign = way == 0 ? 1 : -1;
+std::vector<SweepCrossing> crossingsOf(size_t stride, const glm::dvec2& perStep, double step, double curvature, int reach) {
     std::vector<SweepCrossing> out;
-    const auto offset = [&](int a, int b) { return std::ptrdiff_t(a) * std::ptrdiff_t(field.stride) + b; };
-    // `steps` along, to a point of the edge between two texels of which the second has the weight.
-    const auto add = [&](double steps, std::ptrdiff_t from, std::ptrdiff_t to, double weight) {
-        if (weight < kOnLattice) weight = 0;
-        if (weight > 1 - kOnLattice) weight = 1;
-        if (weight == 1) from = to;
-        if (weight == 0) to = from;
-        const double metres = steps * course.step;
-        out.push_back({from, to, float(weight), float(1 / metres), float(curvature * metres * metres)});
+    const auto offset = [&](const glm::ivec2& p) { return std::ptrdiff_t(p.y) * std::ptrdiff_t(stride) + p.x; };
+    // After `steps`, at a point of the edge between two texels of which the second has the weight.
+    const auto add = [&](double steps, const glm::ivec2& from, const glm::ivec2& to, double weight) {
+        const bool atFrom = weight<kOnLattice, atTo = weight> 1 - kOnLattice;
+        const double metres = steps * step;
+        out.push_back({offset(atTo ? to : from), offset(atFrom ? from : to),
+                       atFrom ? 0
+                       : atTo ? 1
+                              : float(weight),
+                       float(1 / metres), float(curvature * metres * metres)});
     };
-    for (int k = 1; k <= reach; ++k) {
-        const double b = sign * shift * k, low = std::floor(b + kOnLattice);
-        add(k, offset(sign * k, int(low)), offset(sign * k, int(low) + 1), std::max(b - low, 0.0));
+    // Columns and rows of texels.
+    for (int axis = 0; axis < 2; ++axis) {
+        const double rate = std::abs(perStep[axis]);
+        for (int k = 1; rate > kOnLattice && k / rate <= reach + kOnLattice; ++k) {
+            const double steps = k / rate, beside = steps * perStep[1 - axis], low = std::floor(beside + kOnLattice);
+            glm::ivec2 from;
+            from[axis] = perStep[axis] > 0 ? k : -k, from[1 - axis] = int(low);
+            glm::ivec2 to = from;
+            ++to[1 - axis];
+            add(steps, from, to, std::max(beside - low, 0.0));
+        }
     }
-    for (int k = 1; std::abs(shift) > kOnLattice && k / std::abs(shift) <= reach + kOnLattice; ++k) {
-        const double steps = k / std::abs(shift), a = sign * steps, low = std::floor(a + kOnLattice);
-        const int b = sign * (shift > 0 ? k : -k);
-        add(steps, offset(int(low), b), offset(int(low) + 1, b), std::max(a - low, 0.0));
-    }
-    // The diagonals join (a + 1, b) and (a, b + 1): a + b is whole along them.
-    const double rate = 1 + shift;
+    // The diagonals join (x + 1, y) and (x, y + 1): x + y is whole along them.
+    const double rate = std::abs(perStep.x + perStep.y);
     for (int k = 1; rate > kOnLattice && k / rate <= reach + kOnLattice; ++k) {
-        const double steps = k / rate, a = sign * steps, low = std::floor(a + kOnLattice), weight = std::max(a - low, 0.0);
+        const double steps = k / rate, x = steps * perStep.x, low = std::floor(x + kOnLattice), weight = std::max(x - low, 0.0);
         if (weight < kOnLattice) continue;  // a texel, which is crossed above
-        const int i = int(low), j = sign * k - i - 1;
-        add(steps, offset(i, j + 1), offset(i + 1, j), weight);
+        const int left = int(low), sum = perStep.x + perStep.y > 0 ? k : -k;
+        add(steps, {left, sum - left}, {left + 1, sum - left - 1}, weight);
     }
+    return out;
+}
+
+SweepField rowsOf(const HeightField& field) {
+    SweepField out;
+    setHeights(out, field);
     return out;
 }
 

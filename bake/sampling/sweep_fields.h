@@ -8,6 +8,9 @@
 
 namespace apertura {
 
+// The rows of a field, for horizons alone.
+SweepField rowsOf(const HeightField& field);
+
 // The two ways through a field: rows one after the other, and columns. Of each, what is across lies side by side in memory.
 struct SweepFields {
     SweepField rows, columns;
@@ -34,13 +37,18 @@ struct SweepCourse {
     bool backwards;            // the azimuth is the opposite of the direction's
     SweepDirection direction;  // without crossings
     double step;               // metres that it advances a texel along
+    // As crossingsOf wants it, forwards (0) and backwards (1).
+    glm::dvec2 perStep(int way) const { return way == 0 ? glm::dvec2(direction.shift, 1) : glm::dvec2(-direction.shift, -1); }
 };
 
 //   azimuth    radians from north by east
 //   curvature  metres that the ground falls by, a squared metre
 SweepCourse courseOf(const HeightField& field, double azimuth, double curvature);
 
-// Where a course crosses edges of triangles within `reach` texels along, `way` 0 forwards and 1 backwards; in no order.
-std::vector<SweepCrossing> crossingsOf(const SweepField& field, const SweepCourse& course, int way, int reach);
+// Where a line from a texel crosses edges of triangles, within `reach` steps; in no order.
+//   stride   from one row of the heights to the next
+//   perStep  texels that a step advances, side by side in memory and from row to row; the larger of the two is 1 or -1
+//   step     metres
+std::vector<SweepCrossing> crossingsOf(size_t stride, const glm::dvec2& perStep, double step, double curvature, int reach);
 
 }  // namespace apertura

@@ -267,9 +267,11 @@ GeoTiff readGeoTiff(const std::string& path, int width, int height) {
     return out;
 }
 
+int rowsAStrip(int width) { return std::max(1, int(kStripBytes / (size_t(width) * sizeof(float)))); }
+
 void writeGeoTiff(const std::string& path, int width, int height, const Georeference& georeference,
                   const std::vector<std::string>& descriptions,
-                  const std::function<void(const std::function<void(int, std::span<const float>)>&)>& writeBands) {
+                  const std::function<void(const std::function<void(int, int, std::span<const float>)>&)>& writeBands) {
     PendingFile pending(path);
     struct Restored {
         TIFFErrorHandler warnings, errors;
@@ -292,7 +294,7 @@ void writeGeoTiff(const std::string& path, int width, int height, const Georefer
                                           {kMetadataTag, -1, -1, TIFF_ASCII, FIELD_CUSTOM, true, false, const_cast<char*>("GDALMetadata")}};
     TIFFMergeFieldInfo(tiff.get(), extra, 2);
     TIFF* const t = tiff.get();
-    const int rows = std::max(1, int(kStripBytes / (size_t(width) * sizeof(float))));
+    const int rows = rowsAStrip(width);
     TIFFSetField(t, TIFFTAG_IMAGEWIDTH, width);
     TIFFSetField(t, TIFFTAG_IMAGELENGTH, height);
     TIFFSetField(t, TIFFTAG_BITSPERSAMPLE, 32);
@@ -328,14 +330,14 @@ void writeGeoTiff(const std::string& path, int width, int height, const Georefer
 
     std::vector<float> strip(size_t(width) * size_t(rows));
     const int strips = (height + rows - 1) / rows;
-    writeBands([&](int band, std::span<const float> values) {
-        for (int s = 0; s < strips; ++s) {
-            const size_t first = size_t(s) * strip.size(), count = std::min(strip.size(), values.size() - first);
-            std::transform(values.begin() + std::ptrdiff_t(first), values.begin() + std::ptrdiff_t(first + count), strip.begin(),
+    writeBands([&](int band, int row, std::span<const float> values) {
+        for (size_t done = 0; done < values.size(); done += strip.size()) {
+            const size_t count = std::min(strip.size(), values.size() - done);
+            std::transform(values.begin() + std::ptrdiff_t(done), values.begin() + std::ptrdiff_t(done + count), strip.begin(),
                            [](float x) { return std::isnan(x) ? kNoData : x; });
             // libtiff compresses in this memory.
-            const auto written = TIFFWriteEncodedStrip(t, uint32_t(band * strips + s), strip.data(), tmsize_t(count * sizeof(float)));
-            if (written < 0) fail();
+            const auto number = uint32_t(band * strips + row / rows + int(done / strip.size()));
+            if (TIFFWriteEncodedStrip(t, number, strip.data(), tmsize_t(count * sizeof(float))) < 0) fail();
         }
     });
     if (!TIFFFlush(t) || !cause.empty()) fail();

@@ -45,11 +45,13 @@ GeoTiff readGeoTiff(const std::string& path, int width, int height);
 
 // Writes a TIFF of 32-bit floats, one plane a band, compressed without loss, with -9999 for NaN. It appears whole or not at all.
 //   descriptions  of the bands
-//   writeBands    calls its argument once for each band, in any order, with its index and width * height numbers, row after row
+//   writeBands    calls its argument with the index of a band, a row, a multiple of rowsAStrip(width), and the numbers from there on, row
+//                 after row, a multiple of as many or up to the last one: for each band and row once, in any order
 // Throws Error naming the path where it cannot be written.
 void writeGeoTiff(const std::string& path, int width, int height, const Georeference& georeference,
                   const std::vector<std::string>& descriptions,
-                  const std::function<void(const std::function<void(int, std::span<const float>)>&)>& writeBands);
+                  const std::function<void(const std::function<void(int, int, std::span<const float>)>&)>& writeBands);
+int rowsAStrip(int width);
 
 constexpr float kNoData = -9999;
 
