@@ -102,7 +102,8 @@ OpenSky openSky(const HeightField& field, double error, const HorizonOptions& op
         const bool first = azimuths == kFewestAzimuths;
         for (int k = first ? 0 : 1; k < azimuths / 2; k += first ? 1 : 2) {
             sweep(fields, courseOf(field, 2 * pi * k / azimuths, options.curvature), {});
-            throwIfStopped(progress, 0.9 * (azimuths / 2 + (first ? k - azimuths / 2 : k)) / kMostAzimuths);
+            const int done = first ? 2 * k : azimuths / 2 + k;
+            throwIfStopped(progress, double(done) / kMostAzimuths);
         }
         out.azimuths = azimuths;
         double areas = 0, angles = 0;

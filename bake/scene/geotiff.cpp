@@ -238,7 +238,7 @@ Georeference Georeference::receive(PipeReader& in) {
 }
 
 GeoTiff readGeoTiff(const std::string& path, int width, int height) {
-    GeoTiff out{std::numeric_limits<float>::quiet_NaN(), {}, {}};
+    GeoTiff out;
     TIFFSetWarningHandler(nullptr);
     TIFFSetErrorHandler(nullptr);
     const std::unique_ptr<TIFF, CloseTiff> tiff(XTIFFOpen(path.c_str(), "r"));

@@ -2,6 +2,7 @@
 // What GeoTIFF adds to heights: where they lie on the earth, and how far apart.
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,8 +33,8 @@ struct MapGrid {
 };
 
 struct GeoTiff {
-    float noData;                  // the number that stands for "no data", as GDAL writes it; NaN: none
-    double scale = 1, offset = 0;  // a height in metres is scale number + offset, by GDAL's metadata
+    float noData = std::numeric_limits<float>::quiet_NaN();  // the number that stands for "no data", as GDAL writes it; NaN: none
+    double scale = 1, offset = 0;                            // a height in metres is scale number + offset, by GDAL's metadata
     Georeference georeference;
     MapGrid grid;
 };
