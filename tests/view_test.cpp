@@ -4,6 +4,7 @@
 #include <sstream>
 #include <thread>
 
+#include "apertura/bake/scene/geotiff.h"
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/png.h"
 #include "tests/program.h"
@@ -141,6 +142,24 @@ TEST_F(View, BakesWhatIsNotBaked) {
     EXPECT_EQ(r.code, 0) << r.error;
     EXPECT_NE(r.out.find("baked for this window alone"), std::string::npos) << r.out;
     EXPECT_EQ(png(*folder / "cube.png").width, 64);
+}
+
+TEST_F(View, SweepsAHeightMap) {
+    const std::string map = *folder / "map.tif", glb = *folder / "map.glb";
+    writeGeoTiff(map, 90, 70, {}, {"heights"}, [](const auto& put) {
+        std::vector<float> band;
+        for (int y = 0; y < 70; ++y)
+            for (int x = 0; x < 90; ++x) band.push_back(float(8 * std::sin(x * 0.2) * std::cos(y * 0.15)));
+        put(0, 0, band);
+    });
+    const Result shown = run("view " + map + " --script " + folder->write("map.txt", "wait\nsave map.png\n") + " --save "
+                                 + folder->path.string() + " --size 200x120 --validate",
+                             screen->words);
+    ASSERT_EQ(shown.code, 0) << shown.error;
+    // As `bake` and `render` have it, but for the bytes of the asset.
+    ASSERT_EQ(run("bake " + map + " -o " + glb + " --bits 16").code, 0);
+    ASSERT_EQ(run("render " + glb + " -o " + (*folder / "same.png") + " --size 200x120").code, 0);
+    EXPECT_LE(largest(*folder / "map.png", *folder / "same.png"), 3);
 }
 
 TEST_F(View, SaysWhatIsWrongInOneLine) {

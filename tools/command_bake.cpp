@@ -4,8 +4,6 @@
 #include "apertura/bake/fit/faces.h"
 #include "apertura/bake/fit/terrain.h"
 #include "apertura/bake/fit/texels.h"
-#include "apertura/bake/scene/height_map.h"
-#include "apertura/bake/scene/height_mesh.h"
 #include "apertura/runtime/asset/asset.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
@@ -13,6 +11,7 @@
 #include "apertura/runtime/asset/image_files.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
+#include "tools/terrain.h"
 
 namespace apertura {
 namespace {
@@ -26,11 +25,9 @@ struct Arguments {
     BakeOptions bake;
     int bits = 8;
     bool isSwept = false;   // a height map, without rays
-    double meshError = -1;  // metres; negative: kMeshError
+    double meshError = -1;  // metres; negative: meshToSweep's own
     std::string price, at, as = "visibility", images, engine;
 };
-
-constexpr double kMeshError = 0.1;  // of a texel's side, that a height map's texels may lie above or below its mesh
 
 // Refuses, before anything is traced, names of images that cannot be written, or that are the scene's own.
 void requireImageFiles(const Arguments& a, const Scene& scene, ImageFormat format) {
@@ -46,24 +43,6 @@ void requireImageFiles(const Arguments& a, const Scene& scene, ImageFormat forma
         for (const std::string& file : own) refuseToReplaceInput(file, name);
         requireWritable(name);
     }
-}
-
-// The mesh that a height map is stored with: all of it, or as much of it as keeps the texels of its image within the error, metres.
-Scene meshToSweep(const Arguments& a, const HeightMap& map, double& error) {
-    const HeightField& field = map.field;
-    std::vector<Surface> tiles;
-    if (a.bake.at == At::Texels) {
-        const double most = a.meshError >= 0 ? a.meshError : kMeshError * std::min(field.spacingX, field.spacingZ);
-        ProgressBar bar("meshing");
-        tiles = decimatedMesh(field, most, bar.callback());
-        error = most;
-    } else {
-        tiles.push_back(fullMesh(field));
-    }
-    if (tiles.empty() || tiles[0].triangles.empty()) throw Error(a.scene + ": no three texels that meet have data");
-    Scene scene = terrainScene(a.scene, std::move(tiles));
-    scene.notes = map.notes;
-    return scene;
 }
 
 void printSwept(const Arguments& a, const HeightField& field, const Scene& scene, const BakeInfo& info, const TerrainReport& report,
@@ -96,8 +75,7 @@ void run(const Arguments& a) {
     Scene scene;
     if (a.isSwept) {
         map = loadHeights(a.scene, a.map);
-        requireMeshable(a.scene, map.field);
-        scene = meshToSweep(a, map, info.meshError);
+        scene = meshToSweep(a.scene, map, a.bake.at == At::Texels, a.meshError, info.meshError);
     } else {
         scene = loadScene(a.scene, a.map, a.bake.at == At::Texels ? Coordinates::Read : Coordinates::Ignore);
     }

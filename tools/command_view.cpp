@@ -1,10 +1,14 @@
+#include <oneapi/tbb/global_control.h>
+
 #include <cstdio>
 #include <filesystem>
 
-#include "apertura/bake/fit/bake.h"
+#include "apertura/bake/fit/terrain.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/materials.h"
+#include "apertura/runtime/asset/texels.h"
 #include "tools/terminal.h"
+#include "tools/terrain.h"
 #include "tools/view/script.h"
 #include "tools/view/viewer.h"
 
@@ -18,14 +22,41 @@ struct Arguments {
     HeightMapOptions map;
 };
 
+// A height map's: swept, as `bake` does it.
+Asset sweptAsset(Scene scene, const HeightMap& map, double meshError, BakeOptions options) {
+    Asset out;
+    out.info.model = options.recipe;
+    out.info.scene = scene.name;
+    out.info.meshError = meshError;
+    out.info.at = options.at == At::Texels ? "texels" : "vertices";
+    {
+        ProgressBar bar("baking");
+        TerrainReport report;
+        out.seen = bakeTerrain(scene, map.field, options, {}, bar.callback(), nullptr, &report);
+        out.info.azimuths = report.azimuths;
+    }
+    // What readers of an asset find in its mesh.
+    for (size_t i = 0; i < out.seen.size(); ++i)
+        if (SeenOnTexels& texels = out.seen[i].texels; !texels.visibility.empty())
+            setTexelNormals(scene, i, mapTexels(scene.surfaces[i], texels.width, texels.height), texels);
+    out.scene = std::move(scene);
+    return out;
+}
+
+// What `bake` takes for granted, with the model that is asked for.
+BakeOptions optionsOf(const Arguments& a) {
+    BakeOptions out;
+    out.recipe = findRecipe(a.model.empty() || !findRecipe(a.model) ? "sh" : a.model)->name;
+    if (isHeightMap(a.file)) out.at = out.recipe == "sh" ? At::Texels : At::Vertices;
+    return out;
+}
+
 // A scene's asset: as the file has it, or baked now with all that `bake` takes for granted.
 Asset assetOf(Scene scene, const Arguments& a) {
     if (hasVisibility(scene)) return toAsset(std::move(scene));
-    BakeOptions options;
-    const Recipe& recipe = *findRecipe(a.model.empty() || !findRecipe(a.model) ? "sh" : a.model);
-    options.recipe = recipe.name;
+    const BakeOptions options = optionsOf(a);
     Asset out;
-    out.info.model = recipe.name;
+    out.info.model = options.recipe;
     out.info.scene = scene.name;
     {
         ProgressBar bar("baking");
@@ -34,7 +65,6 @@ Asset assetOf(Scene scene, const Arguments& a) {
     }
     out.info.at = options.at == At::Faces ? "faces" : "vertices";
     out.scene = std::move(scene);
-    std::printf("%s: baked for this window alone; `apertura bake` keeps it\n", a.file.c_str());
     return out;
 }
 
@@ -47,12 +77,23 @@ void run(const Arguments& a) {
     if (!a.save.empty() && !std::filesystem::is_directory(a.save)) throw Error(a.save + ": is no folder");
     std::optional<Script> script;
     if (!a.script.empty()) script.emplace(a.script, a.save);
-    Scene scene = loadScene(a.file, a.map);
+    HeightMap map;
+    double meshError = 0;
+    Scene scene;
+    if (isHeightMap(a.file)) {
+        map = loadHeights(a.file, a.map);
+        // The view may name files too, and all are read before the first thread begins.
+        const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
+        scene = meshToSweep(a.file, map, optionsOf(a).at == At::Texels, -1, meshError);
+    } else {
+        scene = loadScene(a.file, a.map);
+    }
     loadTextures(scene, TexturesFor::Pictures);
-    // All files are read before the first thread begins.
     std::vector<std::string> notes = scene.notes;
     const View view = a.view.viewOf(scene, notes);
-    const Asset asset = assetOf(std::move(scene), a);
+    const bool isBaked = hasVisibility(scene);
+    const Asset asset = isHeightMap(a.file) ? sweptAsset(std::move(scene), map, meshError, optionsOf(a)) : assetOf(std::move(scene), a);
+    if (!isBaked) std::printf("%s: baked for this window alone; `apertura bake` keeps it\n", a.file.c_str());
     printNotes(notes);
     Window window("apertura - " + a.file, int(a.view.width), int(a.view.height), a.validate);
     bool ended = false;
