@@ -11,7 +11,6 @@
 #include "apertura/bake/scene/height_map.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
-#include "apertura/runtime/asset/isolated.h"
 #include "tools/commands.h"
 #include "tools/sun.h"
 #include "tools/terminal.h"

@@ -1,7 +1,6 @@
 #pragma once
 // Horizons of a height field: what its surface hides of the sky, without rays.
 #include <functional>
-#include <memory>
 #include <span>
 
 #include "apertura/bake/sampling/height_field.h"

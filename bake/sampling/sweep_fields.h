@@ -1,6 +1,5 @@
 #pragma once
 // A height field as its sweeps walk over it, and the way of an azimuth through it.
-#include <functional>
 #include <vector>
 
 #include "apertura/bake/sampling/height_field.h"
