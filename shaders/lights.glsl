@@ -86,4 +86,15 @@ APERTURA_FN vec3 aperturaSumOf(AperturaIrradiance sum, vec3 fromSky, vec3 bright
     return min(sum.lights, sum.sky * brightest) + aperturaSkyBeside(sum, fromSky);
 }
 
+// What surfaces reflect of the sky and of the frame's lights at infinity, rgb, W/m2. What a lamp gives to surfaces near it depends on where
+// they are, which nothing stored says.
+APERTURA_FN vec3 aperturaBounced(AperturaBounce bounce, AperturaSky sky, APERTURA_LIGHT_LIST lights, int count) {
+    vec3 sum = aperturaBouncedSky(bounce, sky);
+    for (int i = 0; i < count; ++i) {
+        AperturaLight light = aperturaLightAt(lights, i);
+        if (!aperturaIsSphere(light)) sum += vec3(light.radiance) * aperturaBouncedLight(bounce, light.cap);
+    }
+    return sum;
+}
+
 #endif

@@ -16,6 +16,8 @@ layout(location = 1) in vec3 worldNormal;
 layout(location = 2) in vec4 seen;
 layout(location = 3) in vec3 radiance;
 layout(location = 4) in vec4 visible[APERTURA_MAX_LIGHTS / 4];
+layout(location = 10) in vec4 around;
+layout(constant_id = 5) const bool bounces = false;
 
 layout(location = 0) out vec4 colour;
 
@@ -37,5 +39,10 @@ void main() {
         for (int k = 0; k < 4; ++k)
             if (4 * i + k + 1 < frame.counts.x) addLight(receiver.normal, frame.lights[4 * i + k + 1], visible[i][k]);
     irradiance.sky = aperturaSkyNeedsMore(model) ? seen.x : aperturaSkyIrradiance(model, receiver);
-    colour = painting(base, aperturaSumOf(irradiance, irradiance.sky * radiance, frame.brightest.rgb));
+    vec3 sum = aperturaSumOf(irradiance, irradiance.sky * radiance, frame.brightest.rgb);
+    if (bounces) {
+        vec3 albedo = frame.around.w > 0.0 ? base.rgb : frame.around.rgb;
+        sum += aperturaBounced(aperturaBounceAround(irradiance.sky, around, albedo), frame.sky, 0, frame.counts.x);
+    }
+    colour = painting(base, sum);
 }

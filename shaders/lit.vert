@@ -19,6 +19,7 @@ layout(location = 1) out vec3 worldNormal;
 layout(location = 2) out vec4 seen;      // D, or x: the sky's E, for models whose sky needs more; w: the first light's fraction
 layout(location = 3) out vec3 radiance;  // of the sky through the opening
 layout(location = 4) out vec4 visible[APERTURA_MAX_LIGHTS / 4];  // the other lights' fractions
+layout(location = 10) out vec4 around;                           // D, A, sr, for bounces
 
 void main() {
     AperturaSceneVertex v = vertices[gl_VertexIndex];
@@ -29,6 +30,7 @@ void main() {
     radiance = aperturaSkyThrough(model, v.normal.xyz, visibility[gl_VertexIndex], frame.sky);
     for (int i = 0; i < more; ++i)
         for (int k = 0; k < 4; ++k) visible[i][k] = litVertices[at + uint(4 * i + k + 2)];
+    around = visibility[gl_VertexIndex];
     paintVertex(gl_VertexIndex);
     gl_Position = frame.toClip * vec4(v.position.xyz, 1.0);
 }

@@ -33,6 +33,7 @@ layout(location = 5) flat in vec3 facing;
 
 layout(constant_id = 3) const bool onFaces = false;   // some faces have samples of their own
 layout(constant_id = 4) const bool onTexels = false;  // some meshes have images
+layout(constant_id = 8) const bool bounces = false;   // light by way of other surfaces counts
 
 layout(location = 0) out vec4 colour;  // reflected radiance, linear
 
@@ -139,6 +140,7 @@ void main() {
     if (APERTURA_ONE_LIGHT == 1 && aperturaIsPointFor(model, lightClass)) receiver.params[0].xyz = vec3(0.0);  // see scene.vert
     addReceiver(aperturaRenormalised(model, receiver), 1.0);
     irradiance.sky = skyHere.w;
+    visibility = seenHere;
     vec3 fromSky = skyHere.rgb;
 #else
     addAround(normal);
@@ -154,5 +156,10 @@ void main() {
 #else
     vec3 sum = aperturaSumOf(irradiance, fromSky, frame.brightest.rgb);
 #endif
+    if (bounces) {
+        vec3 albedo = frame.around.w > 0.0 ? base.rgb : frame.around.rgb;
+        sum += aperturaBounced(aperturaBounceAround(irradiance.sky, visibility, albedo), frame.sky, 0,
+                               APERTURA_ONE_LIGHT == 1 ? 1 : frame.counts.x);
+    }
     colour = painting(base, sum);
 }

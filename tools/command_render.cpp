@@ -30,6 +30,10 @@ void run(const Arguments& a) {
         throw CLI::ValidationError("--model: there is no model '" + a.model + "' (there are " + modelNames() + ", shadow-map, reference)");
     if (!a.lightAt.empty() && (a.model == "reference" || a.model == "shadow-map"))
         throw CLI::ValidationError("--light-at is for the models: " + a.model + " lights pixels");
+    if (a.model == "shadow-map" && a.view.bounces > 0)
+        throw CLI::ValidationError("--bounces: a shadow map knows no surfaces around a point");
+    if (a.model == "reference" && !a.view.around.empty())
+        throw CLI::ValidationError("--around is for models: the reference follows what is there");
     const bool linear = a.out.ends_with(".exr");
     if (linear && (a.view.exposure != 0 || !a.view.tone.empty()))
         throw CLI::ValidationError("--exposure and --tone are for .png: an .exr holds radiance itself");

@@ -7,6 +7,7 @@
 
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/lights.h"
+#include "apertura/runtime/asset/materials.h"
 
 namespace apertura {
 namespace {
@@ -18,6 +19,14 @@ std::optional<glm::vec3> colourIn(const std::string& text) {
     if (digits.size() != 6 || digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos) return std::nullopt;
     const unsigned long value = std::stoul(digits, nullptr, 16);
     return glm::convertSRGBToLinear(glm::dvec3(value >> 16 & 255, value >> 8 & 255, value & 255) / 255.0);
+}
+
+// A or R,G,B, each 0..1.
+std::optional<glm::vec3> albedoIn(const std::string& text) {
+    const std::vector<double> n = parseNumbers(text, ',');
+    const bool right = (n.size() == 1 || n.size() == 3) && std::all_of(n.begin(), n.end(), [](double a) { return a >= 0 && a <= 1; });
+    if (!right) return std::nullopt;
+    return n.size() == 1 ? glm::vec3(float(n[0])) : glm::vec3(n[0], n[1], n[2]);
 }
 
 bool namesPicture(const std::string& text) {
@@ -85,6 +94,22 @@ void ViewOptions::addTo(CLI::App& command) {
         ->check(finiteRange(1e-6, 1e9))
         ->type_name("M");
     command.add_flag("--plain", plain, "all surfaces grey, as those of files without materials");
+    command
+        .add_option(
+            "--albedo", albedo,
+            "what all surfaces reflect, in place of their materials' base colours, 0..1 [theirs; 0.8 of those of files without materials]")
+        ->type_name("A|R,G,B");
+    command
+        .add_option("--bounces", bounces,
+                    "light comes by way of other surfaces, too: the reference follows so many diffuse reflections, models estimate all of "
+                    "them, of the sky and of lights at infinity [0]")
+        ->check(CLI::Range(0, 1000))
+        ->type_name("N");
+    command
+        .add_option("--around", around,
+                    "what models take for the albedo of the surfaces that block the sky: the mean of the scene's, the surface's own, or "
+                    "numbers, 0..1 [mean]")
+        ->type_name("mean|own|A|R,G,B");
     command.add_option("--exposure", exposure, "stops that a .png is brightened by; an .exr holds radiance itself [0]")
         ->check(finiteRange(-64.0, 64.0))
         ->type_name("EV");
@@ -107,6 +132,12 @@ void ViewOptions::check() const {
     if (!sky.empty() && !colourIn(sky) && !namesPicture(sky))
         throw CLI::ValidationError("--sky: '" + sky + "' is neither a colour RRGGBB nor a picture .exr or .hdr");
     if (!lights.empty() && punctualRadius > 0) throw CLI::ValidationError("--lights and --punctual-radius: one of them");
+    if (!albedo.empty() && !albedoIn(albedo))
+        throw CLI::ValidationError("--albedo: '" + albedo + "' is neither A nor R,G,B, each from 0 to 1");
+    if (!albedo.empty() && plain) throw CLI::ValidationError("--albedo and --plain: one of them");
+    if (!around.empty() && around != "mean" && around != "own" && !albedoIn(around))
+        throw CLI::ValidationError("--around: '" + around + "' is neither mean, own, A nor R,G,B, each from 0 to 1");
+    if (!around.empty() && bounces == 0) throw CLI::ValidationError("--around is for light that bounces: give --bounces, too");
     cameraIn(camera, {});
 }
 
@@ -119,7 +150,11 @@ View ViewOptions::viewOf(const Scene& scene, std::vector<std::string>& notes) co
         view.sky = *colour;
     else if (!sky.empty())
         view.sky = readSky(sky);
-    view.plain = plain;
+    view.plain = plain || !albedo.empty();
+    if (!albedo.empty()) view.albedo = *albedoIn(albedo);
+    view.bounces = bounces;
+    view.aroundAsSelf = around == "own";
+    view.around = around.empty() || around == "mean" || around == "own" ? meanAlbedo(scene, view.albedo) : *albedoIn(around);
     if (!noSun) view.lights.push_back(sunLight(azimuth, elevation, radius));
     std::vector<AperturaLight> more;
     if (!lights.empty()) more = readLights(lights);

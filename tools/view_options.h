@@ -8,8 +8,11 @@
 
 namespace apertura {
 
+constexpr int kBounces = 8;  // where nothing says how many
+
 struct ViewOptions {
-    std::string camera, sky, lights, tone;
+    std::string camera, sky, lights, tone, albedo, around;
+    int bounces = 0;
     double azimuth = 135, elevation = 40, radius = 0.27;  // degrees, of the sun
     bool noSun = false, plain = false;
     double punctualRadius = 0;  // metres; 0: the file's own lights are not used

@@ -58,6 +58,17 @@ std::vector<glm::vec3> fibonacciCap(int n, double h) {
     return out;
 }
 
+std::vector<glm::vec3> fibonacciCosine(int n) {
+    // A lattice over the disc, and up to the hemisphere from there: Malley's method.
+    const double golden = pi * (3 - std::sqrt(5.0));
+    std::vector<glm::vec3> out;
+    for (int i = 0; i < n; ++i) {
+        const double squared = (i + 0.5) / n, r = std::sqrt(squared), turn = std::fmod(golden * i, 2 * pi);
+        out.emplace_back(float(r * std::cos(turn)), float(r * std::sin(turn)), float(std::sqrt(1 - squared)));
+    }
+    return out;
+}
+
 std::vector<glm::vec3> fibonacciHemisphere(int n) {
     std::vector<glm::vec3> out = fibonacciCap(n, 1);
     orderInPatches(out);

@@ -20,4 +20,7 @@ std::vector<glm::vec3> fibonacciCap(int n, double h);
 // neighbours on the sphere. Each stands for 2 pi / n sr.
 std::vector<glm::vec3> fibonacciHemisphere(int n);
 
+// `n` directions over the hemisphere about +Z, as many to a solid angle as it has cosine to +Z. Each stands for pi / n sr times cosine.
+std::vector<glm::vec3> fibonacciCosine(int n);
+
 }  // namespace apertura

@@ -64,4 +64,22 @@ glm::vec3 emissionAt(const Scene& scene, const Surface& surface, size_t triangle
     return material.emissive * glm::vec3(texture.at(paint.emissive, levelOf(surface, triangle, texture, &VertexPaint::emissive, spread)));
 }
 
+glm::vec3 meanAlbedo(const Scene& scene, const glm::vec3& plain) {
+    if (scene.materials.empty()) return plain;
+    glm::dvec3 sum(0);
+    double area = 0;
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Surface& surface = scene.surfaces[size_t(scene.instances[i].surface)];
+        for (size_t t = 0; t < surface.triangles.size(); ++t) {
+            const std::array<glm::dvec3, 3> c = cornersOf(scene, int(i), int(t));
+            const glm::vec4 base = baseColourAt(scene, surface, t, glm::vec3(1 / 3.0f));
+            const double own = glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) * double(base.a);
+            if (!(own > 0)) continue;
+            sum += own * glm::dvec3(glm::clamp(glm::vec3(base), 0.0f, 1.0f));
+            area += own;
+        }
+    }
+    return area > 0 ? glm::vec3(sum / area) : plain;
+}
+
 }  // namespace apertura

@@ -18,6 +18,11 @@ struct View {
     Sky sky;                 // where no light is
     glm::vec3 albedo{0.8f};  // rgb, 0..1, of scenes without materials
     bool plain = false;      // all surfaces have that albedo: materials only let through
+    // Reflections on other surfaces that light may take on its way. The reference follows so many, by the materials' base colours; models
+    // estimate all of them (shaders/bounce.glsl), from the albedo of what blocks the sky: `around`, or that of the surface itself.
+    int bounces = 0;
+    glm::vec3 around{0.5f};  // rgb, 0..1; see meanAlbedo (asset/materials.h)
+    bool aroundAsSelf = false;
 };
 
 // A light at infinity.

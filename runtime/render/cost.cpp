@@ -139,18 +139,18 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
         return cost;
     };
     static_assert(APERTURA_SHADOW_TAPS == 4 * 8);
-    // What a pixel that reads its samples itself pays beside them, by class, faces and paint.
+    // What a pixel that reads its samples itself pays beside them, by class, faces, paint and bounces.
     struct Shared {
         CompiledCost plain;    // N.L
         CompiledCost opening;  // where the sky's light comes from, once for all corners
     };
-    std::map<std::tuple<int, bool, bool>, Shared> known;
+    std::map<std::tuple<int, bool, bool, bool>, Shared> known;
     for (const PixelCase& c : cases) {
         const auto withModel = [&](const Model& model, Corners corners) {
-            const int32_t constants[] = {model.id, c.lightClass, model.slots, c.onFaces, false, c.painted, 0, true};
+            const int32_t constants[] = {model.id, c.lightClass, model.slots, c.onFaces, false, c.painted, 0, true, c.bounces};
             return compile({sceneVertex(corners), sceneFragment(corners, true), constants}, bindings);
         };
-        const std::tuple key(c.lightClass, c.onFaces, c.painted);
+        const std::tuple key(c.lightClass, c.onFaces, c.painted, c.bounces);
         if (!known.contains(key)) {
             const Model& occlusion = *findModel("ao-area");
             Shared& shared = known[key];
@@ -166,7 +166,7 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
             const int32_t constants[] = {c.painted, 0};
             out.push_back(times(compile({shadow0_vert, shadow_frag, constants}, mapBindings), shared.plain, 4));
         } else if (c.at == LightAt::Vertices) {
-            const int32_t constants[] = {c.model->id, 0, c.lightClass, c.painted, 0};
+            const int32_t constants[] = {c.model->id, 0, c.lightClass, c.painted, 0, c.bounces};
             out.push_back(compile({lit_vert, lit_frag, constants}, bindings));
         } else if (c.model->mixes) {
             out.push_back(withModel(*c.model, cornersFor(*c.model, c.onFaces)));
@@ -208,7 +208,7 @@ std::vector<double> measuredFrames(const Gpu& gpu, const View& view, std::span<c
     const Stopwatch stopwatch(gpu);
     for (const FrameCase& c : cases) {
         if (c.model)
-            c.renderer->prepare(*c.model, lightClassOf(view), format, c.at, int(view.lights.size()));
+            c.renderer->prepare(*c.model, lightClassOf(view), format, c.at, int(view.lights.size()), view.bounces > 0);
         else
             c.renderer->prepareShadowMapped(format);
     }

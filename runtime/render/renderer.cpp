@@ -159,8 +159,8 @@ struct Renderer::State {
     std::optional<PerFrame<AperturaFrame>> lit;  // one for each frame and part
     std::optional<Background> background;
     std::unique_ptr<ShadowMap> shadow;
-    // By model, light class, format and variantOf, one for each of `kinds`.
-    std::map<std::tuple<int, int, VkFormat, int>, std::vector<vk::raii::Pipeline>> pipelines;
+    // By model, light class, format, variantOf and whether light bounces, one for each of `kinds`.
+    std::map<std::tuple<int, int, VkFormat, int, bool>, std::vector<vk::raii::Pipeline>> pipelines;
     std::map<std::pair<int, int>, vk::raii::Pipeline> vertexLights;  // by model and light class
 };
 
@@ -219,6 +219,7 @@ void Renderer::State::light(int frame, const View& view, VkExtent2D size, int fl
     const std::array<vec4, 3> rays = raysOf(view.camera, aspect);
     std::copy(rays.begin(), rays.end(), out.rays);
     out.albedo = vec4(view.albedo, view.plain ? 1 : 0);
+    out.around = vec4(view.plain ? view.albedo : view.around, view.aroundAsSelf ? 1 : 0);
     out.counts.x = int(lights.size());
     out.counts.z = floats;
     std::copy(lights.begin(), lights.end(), out.lights);
@@ -235,7 +236,7 @@ LightAt Renderer::betterLightAt(const Model& model, double pixels) const {
                                                                                                              : LightAt::Pixels;
 }
 
-void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights) {
+void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights, bool bounces) {
     if (mostLights < 0 || mostLights > APERTURA_MAX_LIGHTS) throw Error(kTooManyLights);
     State& p = *state_;
     p.background->prepare(p.gpu, vk::Format(format));
@@ -245,14 +246,14 @@ void Renderer::prepare(const Model& model, int lightClass, VkFormat format, Ligh
     const int variant = variantOf(at, mostLights);
     const Corners corners = cornersFor(model, p.onFaces || p.onTexels);
     const auto pipeline = [&](Material::Alpha kind) {
-        const int32_t atPixels[] = {model.id, lightClass, model.slots, p.onFaces, p.onTexels, p.painted, int(kind), variant < 0},
-                      interpolated[] = {model.id, moreThanOne(mostLights), lightClass, p.painted, int(kind)};
+        const int32_t atPixels[] = {model.id, lightClass, model.slots, p.onFaces, p.onTexels, p.painted, int(kind), variant < 0, bounces},
+                      interpolated[] = {model.id, moreThanOne(mostLights), lightClass, p.painted, int(kind), bounces};
         DrawShaders shaders = atVertices ? DrawShaders{lit_vert, lit_frag, interpolated}
                                          : DrawShaders{sceneVertex(corners), sceneFragment(corners, variant < 0), atPixels};
         shaders.blends = kind == Material::Alpha::Blend;
         return makePipeline(p.gpu, shaders, bindings, vk::Format(format));
     };
-    if (const std::tuple key(model.id, lightClass, format, variant); !p.pipelines.contains(key)) {
+    if (const std::tuple key(model.id, lightClass, format, variant, bounces); !p.pipelines.contains(key)) {
         std::vector<vk::raii::Pipeline> made;
         for (const Material::Alpha kind : p.kinds) made.push_back(pipeline(kind));
         const std::unique_lock hold(p.lock);
@@ -273,7 +274,9 @@ void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View
     // The least of the variants that are prepared and take as many lights.
     if (view.lights.size() > size_t(APERTURA_MAX_LIGHTS)) throw Error(kTooManyLights);
     const auto lights = int(view.lights.size());
-    const auto prepared = [&](int room) { return p.pipelines.find({model.id, lightClassOf(view), target.format, variantOf(at, room)}); };
+    const auto prepared = [&](int room) {
+        return p.pipelines.find({model.id, lightClassOf(view), target.format, variantOf(at, room), view.bounces > 0});
+    };
     int room = lights;
     auto pipeline = prepared(room);
     while (pipeline == p.pipelines.end() && room < APERTURA_MAX_LIGHTS)
@@ -321,7 +324,7 @@ void Renderer::State::drawScene(vk::CommandBuffer commands, const RenderTarget& 
 void Renderer::prepareSky(const Sky& sky) { state_->background->setSky(state_->gpu, *state_->lit, sky); }
 
 Picture Renderer::draw(const View& view, const Model& model, LightAt at) {
-    prepare(model, lightClassOf(view), kPictureFormat, at, int(view.lights.size()));
+    prepare(model, lightClassOf(view), kPictureFormat, at, int(view.lights.size()), view.bounces > 0);
     prepareSky(view.sky);
     return state_->picture(
         view, [&](VkCommandBuffer commands, const RenderTarget& target) { record(commands, target, view, model, state_->frames, at); });

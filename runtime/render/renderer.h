@@ -39,8 +39,10 @@ public:
     //   format      of the target's colour
     //   mostLights  of a frame. 1 makes a faster pipeline, which serves frames of just one light; others any number. At the vertices,
     //               each light takes 4 bytes a vertex and frame
+    //   bounces     of frames whose View::bounces is above 0
     // Throws Error if the asset does not hold the model, the device has too little memory, or mostLights is above APERTURA_MAX_LIGHTS.
-    void prepare(const Model& model, int lightClass, VkFormat format, LightAt at = LightAt::Pixels, int mostLights = APERTURA_MAX_LIGHTS);
+    void prepare(const Model& model, int lightClass, VkFormat format, LightAt at = LightAt::Pixels, int mostLights = APERTURA_MAX_LIGHTS,
+                 bool bounces = false);
 
     // Uploads the picture of a sky, unless it is there already; a sky of one radiance needs none. Throws Error if it is too large.
     void prepareSky(const Sky& sky);
@@ -49,8 +51,8 @@ public:
     // nothing.
     //   view   its width and height are ignored
     //   frame  0 .. frames - 1; the device must have finished what was recorded with this number before
-    // All frames must run on one queue. Throws Error unless `model` is prepared for lightClassOf(view), the format, `at` and as many
-    // lights, or if its sky's picture is not, and if `frame` is out of range or the view has more than APERTURA_MAX_LIGHTS lights.
+    // All frames must run on one queue. Throws Error unless `model` is prepared for lightClassOf(view), the format, `at`, bounces and as
+    // many lights, or if its sky's picture is not, and if `frame` is out of range or the view has more than APERTURA_MAX_LIGHTS lights.
     void record(VkCommandBuffer commands, const RenderTarget& target, const View& view, const Model& model, int frame,
                 LightAt at = LightAt::Pixels) const;
 

@@ -52,6 +52,7 @@ void Viewer::panelLights() {
     if (ImGui::Checkbox("neutral tone", &toned)) o.tone = toned ? "neutral" : "";
     ImGui::SameLine();
     ImGui::Checkbox("plain", &o.plain);
+    if (bool bounces = o.bounces > 0; ImGui::Checkbox("light bounces (r)", &bounces)) o.bounces = bounces ? kBounces : 0;
     for (size_t i = 0; i < base_.lights.size(); ++i)
         if (AperturaLight& light = base_.lights[i]; aperturaIsSphere(light)) {
             ImGui::PushID(int(i));

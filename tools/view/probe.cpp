@@ -4,14 +4,15 @@
 #include <numbers>
 
 #include "apertura/bake/measure/reference.h"
-#include "apertura/bake/sampling/directions.h"
+#include "apertura/bake/sampling/paths.h"
 #include "apertura/bake/sampling/vertices.h"
 
 namespace apertura {
 namespace {
 
 // What a model gives at the point, W/m2.
-double irradianceOf(const WeightedReceivers& receivers, const Model& model, const View& view, const glm::vec3& position) {
+double irradianceOf(const WeightedReceivers& receivers, const Model& model, const View& view, const glm::vec3& position,
+                    const glm::vec3& albedo) {
     const std::vector<AperturaLight> lights = arrangedLights(view);
     const int lightClass = APERTURA_LIGHTS_ANY;
     AperturaIrradiance sum{vec3(0), vec3(0), 0};
@@ -27,7 +28,10 @@ double irradianceOf(const WeightedReceivers& receivers, const Model& model, cons
     for (const AperturaLight& light : lights) brightest = max(brightest, light.radiance);
     const vec3 sky = sum.sky * aperturaSkyThrough(model.id, receivers.front().second.normal, visibility, view.sky.bands());
     const vec3 all = aperturaSumOf(sum, sky, vec3(brightest));
-    return double(all.r + all.g + all.b) / 3;
+    vec3 bounced(0);
+    if (view.bounces > 0)
+        bounced = aperturaBounced(aperturaBounceAround(sum.sky, visibility, albedo), view.sky.bands(), lights.data(), int(lights.size()));
+    return double(all.r + all.g + all.b + bounced.r + bounced.g + bounced.b) / 3;
 }
 
 }  // namespace
@@ -64,23 +68,20 @@ std::optional<ProbeResult> Probe::at(const View& view, const glm::vec3& ray, con
                 seen += weight * aperturaIrradianceThrough(model.id, receiver, light, APERTURA_LIGHTS_SUN);
             out.shown.back() = glm::clamp(seen / std::max(open, 1e-9f), 0.0f, 1.0f);
         }
+    // As scene.frag has it.
+    const glm::vec3 own(albedoAt(asset_.scene, *hit, {view.albedo, view.plain}));
+    const glm::vec3 around = view.aroundAsSelf ? own : view.plain ? view.albedo : view.around;
     const Model* const stored = storedModel(asset_.info);
     for (const Model& each : models()) {
         if (!each.fromVisibility && &each != stored) continue;
         const WeightedReceivers receivers = receiverAt(asset_, each, hit->instance, hit->triangle, hit->barycentrics, out.normal);
         if (each.id == APERTURA_MODEL_SH_L1)
             out.visibility = {vec3(receivers.front().second.visibility), receivers.front().second.visibility.w};
-        out.models.push_back({std::string(each.name), irradianceOf(receivers, each, view, out.position)});
+        out.models.push_back({std::string(each.name), irradianceOf(receivers, each, view, out.position, around)});
     }
-    // Truth: a picture of one pixel that looks at the point from just above it, of a white surface.
-    View close = view;
-    close.width = close.height = 1;
-    close.plain = true;
-    close.albedo = glm::vec3(1);
-    const double above = std::max(1e-3 * hit->at.longest, 64 * tracer_.offset(hit->at.position));
-    close.camera = {out.position + float(above) * out.normal, out.position, 1e-4f};
-    const Picture truth = traceReference(tracer_, close, {.lightRays = 256, .skyRays = 1024, .threads = 1});
-    out.truth = std::numbers::pi * double(truth.pixels[0].r + truth.pixels[0].g + truth.pixels[0].b) / 3;
+    const glm::vec3 truth = referenceIrradiance(tracer_, view, {hit->at.position, hit->at.normal, hit->at.longest},
+                                                {.lightRays = 1024, .skyRays = 4096, .paths = 4096, .threads = 1});
+    out.truth = double(truth.r + truth.g + truth.b) / 3;
     return out;
 }
 

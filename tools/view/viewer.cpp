@@ -68,7 +68,8 @@ View Viewer::currentView() const {
     View view = base_;
     view.camera = orbit.camera();
     view.width = int(window_.size().width), view.height = int(window_.size().height);
-    view.plain = settings.light.plain;
+    view.plain = settings.light.plain || !settings.light.albedo.empty();
+    view.bounces = settings.light.bounces;
     if (!settings.light.noSun)
         view.lights.insert(view.lights.begin(), sunLight(settings.light.azimuth, settings.light.elevation, settings.light.radius));
     return view;
@@ -77,7 +78,7 @@ View Viewer::currentView() const {
 Wanted Viewer::wantedFor(const Model* model, const View& view) const {
     if (!model) return {};
     const double pixels = double(view.width) * view.height * 4;
-    return {model, lightClassOf(view), renderer_.betterLightAt(*model, pixels), view.lights.size() == 1 ? 1 : 2};
+    return {model, lightClassOf(view), renderer_.betterLightAt(*model, pixels), view.lights.size() == 1 ? 1 : 2, view.bounces > 0};
 }
 
 void Viewer::message(const std::string& text) {
@@ -166,6 +167,7 @@ void Viewer::key(int symbol, int modifiers) {
             break;
         case SDLK_SPACE:
         case SDLK_p: settings.plays = !settings.plays; break;
+        case SDLK_r: settings.light.bounces = settings.light.bounces > 0 ? 0 : kBounces; break;
         case SDLK_F1: settings.panel = !settings.panel; break;
         case SDLK_LEFT: settings.light.azimuth = std::fmod(settings.light.azimuth + 355, 360); break;
         case SDLK_RIGHT: settings.light.azimuth = std::fmod(settings.light.azimuth + 5, 360); break;
@@ -248,7 +250,7 @@ void Viewer::frame(bool scripted) {
     }
     const View view = currentView();
     const bool moved = !isSame(view.camera, drawnView_.camera) || view.lights.size() != drawnView_.lights.size()
-                    || view.plain != drawnView_.plain
+                    || view.plain != drawnView_.plain || view.bounces != drawnView_.bounces
                     || !std::equal(view.lights.begin(), view.lights.end(), drawnView_.lights.begin(), [](const auto& a, const auto& b) {
                            return a.cap.axis == b.cap.axis && a.cap.sinRadius == b.cap.sinRadius && a.sphere == b.sphere;
                        });
@@ -383,6 +385,9 @@ std::string Viewer::renderLine() const {
     if (o.exposure != 0) add(" --exposure %.9g", o.exposure);
     if (!o.tone.empty()) out += " --tone " + o.tone;
     if (o.plain) out += " --plain";
+    if (!o.albedo.empty()) out += " --albedo " + o.albedo;
+    if (o.bounces > 0) out += " --bounces " + std::to_string(o.bounces);
+    if (o.bounces > 0 && !o.around.empty()) out += " --around " + o.around;
     if (lampsMoved_) out += "  # lamps were moved since";
     if (!hasVisibility(asset_.scene)) out += "  # of this scene, baked: apertura bake";
     return out;

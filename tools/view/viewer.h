@@ -22,7 +22,7 @@ inline constexpr const char* kViewerKeys =
     "w a s d, q e: fly, with shift faster; home or h: back; c: the file's cameras\n"
     "double click: probe a point; n, b or page keys: next model\n"
     "tab: split; t: truth; x: difference; space or p: a day; arrows: the sun\n"
-    "ctrl+s: save; ctrl+c: copy the render line; F1: panel; escape: end";
+    "r: light bounces; ctrl+s: save; ctrl+c: copy the render line; F1: panel; escape: end";
 
 // What the user sets.
 struct Settings {

@@ -21,7 +21,8 @@ bool isSame(const AperturaLight& a, const AperturaLight& b) {
 bool isSame(const View& a, const View& b) {
     return a.camera.eye == b.camera.eye && a.camera.target == b.camera.target && a.camera.up == b.camera.up
         && a.camera.verticalFov == b.camera.verticalFov && a.width == b.width && a.height == b.height && a.albedo == b.albedo
-        && a.plain == b.plain && a.sky.picture() == b.sky.picture() && a.sky.bands().bands[0] == b.sky.bands().bands[0]
+        && a.plain == b.plain && a.bounces == b.bounces && a.sky.picture() == b.sky.picture()
+        && a.sky.bands().bands[0] == b.sky.bands().bands[0]
         && std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(),
                       [](const AperturaLight& x, const AperturaLight& y) { return isSame(x, y); });
 }
@@ -83,7 +84,8 @@ void Preparer::prepare(const Wanted& wanted, View view) {
     const std::lock_guard adding(rendererLock_);
     const Offscreen small(gpu_, {16, 16}, vk::Format(format_));
     if (wanted.model)
-        renderer_.prepare(*wanted.model, wanted.lightClass, format_, wanted.at, wanted.lights == 1 ? 1 : APERTURA_MAX_LIGHTS);
+        renderer_.prepare(*wanted.model, wanted.lightClass, format_, wanted.at, wanted.lights == 1 ? 1 : APERTURA_MAX_LIGHTS,
+                          wanted.bounces);
     else
         renderer_.prepareShadowMapped(format_);
     gpu_.run([&](VkCommandBuffer commands) {
@@ -185,7 +187,7 @@ void TruthTracer::refine(const Tracer& tracer, const Request& request, uint64_t 
     const Progress goOn = [&](double) { return isCurrent(number); };
     View coarse = request.view;
     coarse.width = std::max(coarse.width / 4, 1), coarse.height = std::max(coarse.height / 4, 1);
-    const Picture preview = traceReference(tracer, coarse, {.lightRays = 4, .skyRays = 16}, goOn);
+    const Picture preview = traceReference(tracer, coarse, {.lightRays = 4, .skyRays = 16, .paths = 4}, goOn);
     publish({enlarged(preview, request.view.width, request.view.height)}, number);
     Picture drawn;
     {
@@ -199,7 +201,7 @@ void TruthTracer::refine(const Tracer& tracer, const Request& request, uint64_t 
     double squares = 0;  // of the passes' differences from their mean, summed over pixels and channels (Welford)
     State state;
     for (int pass = 0; pass < kMostPasses && !state.isConverged; ++pass) {
-        const ReferenceOptions options{.lightRays = 4, .skyRays = 16, .seed = uint32_t(pass + 1)};
+        const ReferenceOptions options{.lightRays = 4, .skyRays = 16, .paths = 4, .seed = uint32_t(pass + 1)};
         const Picture next = traceReference(tracer, request.view, options, goOn);
         for (size_t i = 0; i < sum.pixels.size(); ++i) {
             const glm::dvec3 before = sum.pixels[i], now = before + (glm::dvec3(next.pixels[i]) - before) / double(pass + 1);

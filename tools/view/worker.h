@@ -25,9 +25,11 @@ struct Wanted {
     int lightClass = APERTURA_LIGHTS_SUN;
     LightAt at = LightAt::Pixels;
     int lights = 1;  // 1, or any number
+    bool bounces = false;
     bool operator==(const Wanted&) const = default;
     bool operator<(const Wanted& other) const {
-        return std::tie(model, lightClass, at, lights) < std::tie(other.model, other.lightClass, other.at, other.lights);
+        return std::tie(model, lightClass, at, lights, bounces)
+             < std::tie(other.model, other.lightClass, other.at, other.lights, other.bounces);
     }
 };
 
