@@ -44,4 +44,18 @@ Visibility unpack(const glm::vec4& normalised) {
     return clampToPossible({glm::vec3(normalised) * area, area});
 }
 
+PackedBounce pack(const AperturaBounce& bounce) {
+    PackedBounce out{};
+    const float length = glm::length(bounce.towards);
+    for (int c = 0; c < 3; ++c) {
+        out.share[size_t(c)] = uint8_t(std::lround(255 * std::sqrt(std::clamp(bounce.share[c], 0.0f, 1.0f))));
+        out.towards[size_t(c)] = int8_t(std::lround(127 * bounce.towards[c] / std::max(length, 1.0f)));
+    }
+    return out;
+}
+
+AperturaBounce unpackBounce(const glm::vec3& share, const glm::vec3& towards) {
+    return {share * share, towards / std::max(glm::length(towards), 1.0f)};
+}
+
 }  // namespace apertura

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "apertura/sh/sh4.h"
+#include "apertura/sh/shading.h"
 
 namespace apertura {
 
@@ -41,5 +42,15 @@ glm::vec4 normalised(const Packed16& p);
 
 // and the visibility from these.
 Visibility unpack(const glm::vec4& normalised);
+
+// What surfaces reflect: the square roots of the shares, clamped to 0..1, over 255, and `towards` over 127. A share errs by at most 1/510
+// of twice its root.
+struct PackedBounce {
+    std::array<uint8_t, 3> share;
+    std::array<int8_t, 3> towards;
+};
+PackedBounce pack(const AperturaBounce& bounce);
+// From the numbers that a reader returns, 0..1 and -1..1.
+AperturaBounce unpackBounce(const glm::vec3& share, const glm::vec3& towards);
 
 }  // namespace apertura

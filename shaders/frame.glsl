@@ -3,6 +3,7 @@
 #ifndef APERTURA_FRAME_GLSL
 #define APERTURA_FRAME_GLSL
 #include "bounce.glsl"
+#include "sky.glsl"
 
 const int APERTURA_MAX_LIGHTS = 17;  // a sun and sixteen more
 
@@ -30,7 +31,7 @@ struct AperturaFrame {
     vec4 rays[3];     // xyz: a pixel looks along rays[0] + x rays[1] + y rays[2], x and y being -1..1 to the right and down
     vec4 brightest;   // rgb: the largest radiance of any light
     vec4 albedo;      // rgb, 0..1, of surfaces without materials; w: 1, and of all others too
-    vec4 around;      // rgb: the albedo of what blocks the sky, for bounces; w: 1, as that of the surface itself
+    vec4 around;      // rgb: what the surfaces that block the sky absorb, for APERTURA_BOUNCES_GIVEN
     // x: number of lights, 0..APERTURA_MAX_LIGHTS; y: where the frame's lit vertices begin, in floats; z: floats of each; w: where the
     // faces begin in the indices, 0: there are none
     ivec4 counts;

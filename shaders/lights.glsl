@@ -78,7 +78,8 @@ APERTURA_FN AperturaIrradiance aperturaWithLight(AperturaIrradiance sum, Apertur
     return sum;
 }
 
-// What the sky gives, less what lights hide of it. `fromSky`: all that it gives, rgb, W/m2: aperturaSkyIrradiance times aperturaSkyThrough.
+// What the sky gives, less what lights hide of it. `fromSky`: all that it gives, rgb, W/m2: aperturaSkyIrradiance times aperturaSkyThrough,
+// or aperturaSkyBounced.
 APERTURA_FN vec3 aperturaSkyBeside(AperturaIrradiance sum, vec3 fromSky) { return max(fromSky - sum.hidden, vec3(0.0f)); }
 
 // rgb, W/m2, of several lights and the sky. Lights give no more than the whole opening with the largest radiance of any, `brightest`.
@@ -86,13 +87,21 @@ APERTURA_FN vec3 aperturaSumOf(AperturaIrradiance sum, vec3 fromSky, vec3 bright
     return min(sum.lights, sum.sky * brightest) + aperturaSkyBeside(sum, fromSky);
 }
 
-// What surfaces reflect of the sky and of the frame's lights at infinity, rgb, W/m2. What a lamp gives to surfaces near it depends on where
+// What the sky gives with what surfaces reflect of it, rgb, W/m2.
+//   sky   E of a sky of unit radiance
+//   mean  aperturaSkyThrough: what is reflected has entered by the same opening
+APERTURA_FN vec3 aperturaSkyBounced(float sky, vec3 mean, AperturaBounce bounce) {
+    return (float(APERTURA_PI) * bounce.share + vec3(sky)) * mean;
+}
+
+// What surfaces reflect of the frame's first lights, those at infinity, rgb, W/m2. What a lamp gives to surfaces near it depends on where
 // they are, which nothing stored says.
-APERTURA_FN vec3 aperturaBounced(AperturaBounce bounce, AperturaSky sky, APERTURA_LIGHT_LIST lights, int count) {
-    vec3 sum = aperturaBouncedSky(bounce, sky);
+APERTURA_FN vec3 aperturaBouncedLights(AperturaBounce bounce, APERTURA_LIGHT_LIST lights, int count, int lightClass) {
+    vec3 sum = vec3(0.0f);
     for (int i = 0; i < count; ++i) {
         AperturaLight light = aperturaLightAt(lights, i);
-        if (!aperturaIsSphere(light)) sum += vec3(light.radiance) * aperturaBouncedLight(bounce, light.cap);
+        if (lightClass == APERTURA_LIGHTS_ANY && aperturaIsSphere(light)) continue;
+        sum += vec3(light.radiance) * aperturaBouncedLight(bounce, light.cap);
     }
     return sum;
 }

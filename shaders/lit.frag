@@ -17,7 +17,9 @@ layout(location = 2) in vec4 seen;
 layout(location = 3) in vec3 radiance;
 layout(location = 4) in vec4 visible[APERTURA_MAX_LIGHTS / 4];
 layout(location = 10) in vec4 around;
-layout(constant_id = 5) const bool bounces = false;
+layout(location = 11) in vec3 bounceShare;
+layout(location = 12) in vec3 bounceTowards;
+layout(constant_id = 5) const int bounces = APERTURA_BOUNCES_NONE;
 
 layout(location = 0) out vec4 colour;
 
@@ -39,10 +41,13 @@ void main() {
         for (int k = 0; k < 4; ++k)
             if (4 * i + k + 1 < frame.counts.x) addLight(receiver.normal, frame.lights[4 * i + k + 1], visible[i][k]);
     irradiance.sky = aperturaSkyNeedsMore(model) ? seen.x : aperturaSkyIrradiance(model, receiver);
-    vec3 sum = aperturaSumOf(irradiance, irradiance.sky * radiance, frame.brightest.rgb);
-    if (bounces) {
-        vec3 albedo = frame.around.w > 0.0 ? base.rgb : frame.around.rgb;
-        sum += aperturaBounced(aperturaBounceAround(irradiance.sky, around, albedo), frame.sky, 0, frame.counts.x);
+    vec3 fromSky = irradiance.sky * radiance;
+    AperturaBounce bounce = AperturaBounce(bounceShare, bounceTowards);
+    if (bounces != APERTURA_BOUNCES_NONE) {
+        if (bounces != APERTURA_BOUNCES_BAKED) bounce = aperturaBounceAround(irradiance.sky, around, absorbedAround(bounces, base));
+        fromSky = aperturaSkyBounced(irradiance.sky, radiance, bounce);
     }
+    vec3 sum = aperturaSumOf(irradiance, fromSky, frame.brightest.rgb);
+    if (bounces != APERTURA_BOUNCES_NONE) sum += aperturaBouncedLights(bounce, 0, frame.counts.x, lightClass);
     colour = painting(base, sum);
 }

@@ -3,6 +3,7 @@
 #define APERTURA_LIT readonly
 #include "lit.glsl"
 #include "models.glsl"
+#include "stored_bounce.glsl"
 AperturaLight aperturaLightAt(int frameOfAll, int i) { return frame.lights[i]; }
 #include "lights.glsl"
 #define APERTURA_PAINT_CONSTANT 3
@@ -19,7 +20,10 @@ layout(location = 1) out vec3 worldNormal;
 layout(location = 2) out vec4 seen;      // D, or x: the sky's E, for models whose sky needs more; w: the first light's fraction
 layout(location = 3) out vec3 radiance;  // of the sky through the opening
 layout(location = 4) out vec4 visible[APERTURA_MAX_LIGHTS / 4];  // the other lights' fractions
-layout(location = 10) out vec4 around;                           // D, A, sr, for bounces
+layout(location = 11) out vec3 bounceShare;
+layout(location = 12) out vec3 bounceTowards;
+layout(constant_id = 5) const int bounces = APERTURA_BOUNCES_NONE;
+layout(location = 10) out vec4 around;  // D, A, sr, for bounces
 
 void main() {
     AperturaSceneVertex v = vertices[gl_VertexIndex];
@@ -31,6 +35,12 @@ void main() {
     for (int i = 0; i < more; ++i)
         for (int k = 0; k < 4; ++k) visible[i][k] = litVertices[at + uint(4 * i + k + 2)];
     around = visibility[gl_VertexIndex];
+    bounceShare = bounceTowards = vec3(0.0);
+    if (bounces == APERTURA_BOUNCES_BAKED) {
+        AperturaBounce bounce = bounceOf(gl_VertexIndex);
+        bounceShare = bounce.share;
+        bounceTowards = bounce.towards;
+    }
     paintVertex(gl_VertexIndex);
     gl_Position = frame.toClip * vec4(v.position.xyz, 1.0);
 }

@@ -38,6 +38,11 @@ vec4 baseColour() {
     return frame.albedo.w > 0.0 ? vec4(frame.albedo.rgb, base.a) : base;
 }
 
+// 1 - the albedo of what blocks the sky about a surface of this base colour.
+vec3 absorbedAround(int bounces, vec4 base) {
+    return bounces == APERTURA_BOUNCES_OWN ? max(1.0 - base.rgb, vec3(APERTURA_LEAST_ABSORBED)) : frame.around.rgb;
+}
+
 // What leaves a surface of this base colour under an irradiance.
 vec4 painting(vec4 base, vec3 irradiance) {
     vec3 colour = base.rgb / APERTURA_PI * irradiance;

@@ -24,6 +24,8 @@ layout(location = 1) in vec3 worldNormal;
 layout(location = 2) in vec4 seenHere;
 layout(location = 3) in vec4 slot;
 layout(location = 4) in vec4 skyHere;
+layout(location = 5) in vec3 bounceShare;
+layout(location = 6) in vec3 bounceTowards;
 #else
 layout(location = 2) in vec2 place;
 layout(location = 3) flat in float pitch;
@@ -33,12 +35,13 @@ layout(location = 5) flat in vec3 facing;
 
 layout(constant_id = 3) const bool onFaces = false;   // some faces have samples of their own
 layout(constant_id = 4) const bool onTexels = false;  // some meshes have images
-layout(constant_id = 8) const bool bounces = false;   // light by way of other surfaces counts
+layout(constant_id = 8) const int bounces = APERTURA_BOUNCES_NONE;
 
 layout(location = 0) out vec4 colour;  // reflected radiance, linear
 
 AperturaIrradiance irradiance = AperturaIrradiance(vec3(0.0), vec3(0.0), 0.0);
 vec4 visibility = vec4(0.0);
+AperturaBounce bounce = AperturaBounce(vec3(0.0), vec3(0.0));
 
 void addLight(AperturaReceiver receiver, float share, int i) {
     AperturaCapLight cap = aperturaCapSeenFrom(worldPosition, frame.lights[i], lightClass);
@@ -109,6 +112,11 @@ void addAround(vec3 normal) {
     for (int cell = 0; cell < cells; ++cell) {
         if (inImage) shares = texelShares(footprint, cell, around);
         for (int c = 0; c < corners; ++c) {
+            if (bounces == APERTURA_BOUNCES_BAKED) {
+                AperturaBounce own = bounceOf(around[c]);
+                bounce.share += shares[c] * own.share;
+                bounce.towards += shares[c] * own.towards;
+            }
 #if APERTURA_CORNERS == 3
             addReceiver(receiverOf(around[c], normal), shares[c]);
 #else
@@ -141,25 +149,27 @@ void main() {
     addReceiver(aperturaRenormalised(model, receiver), 1.0);
     irradiance.sky = skyHere.w;
     visibility = seenHere;
-    vec3 fromSky = skyHere.rgb;
+    vec3 mean = skyHere.rgb;
+    if (bounces == APERTURA_BOUNCES_BAKED) bounce = AperturaBounce(bounceShare, bounceTowards);
 #else
     addAround(normal);
 #if APERTURA_CORNERS == 1
     // What three corners share is not counted thrice: see cost.cpp.
-    vec3 fromSky = irradiance.sky * aperturaSkyThrough(APERTURA_MODEL_UNSHADOWED, normal, visibility, frame.sky);
+    vec3 mean = aperturaSkyThrough(APERTURA_MODEL_UNSHADOWED, normal, visibility, frame.sky);
 #else
-    vec3 fromSky = irradiance.sky * aperturaSkyThrough(model, normal, visibility, frame.sky);
+    vec3 mean = aperturaSkyThrough(model, normal, visibility, frame.sky);
 #endif
 #endif
+    vec3 fromSky = APERTURA_CORNERS == 4 ? mean : irradiance.sky * mean;
+    if (bounces != APERTURA_BOUNCES_NONE) {
+        if (bounces != APERTURA_BOUNCES_BAKED) bounce = aperturaBounceAround(irradiance.sky, visibility, absorbedAround(bounces, base));
+        fromSky = aperturaSkyBounced(irradiance.sky, mean, bounce);
+    }
 #if APERTURA_ONE_LIGHT
     vec3 sum = irradiance.lights + aperturaSkyBeside(irradiance, fromSky);
 #else
     vec3 sum = aperturaSumOf(irradiance, fromSky, frame.brightest.rgb);
 #endif
-    if (bounces) {
-        vec3 albedo = frame.around.w > 0.0 ? base.rgb : frame.around.rgb;
-        sum += aperturaBounced(aperturaBounceAround(irradiance.sky, visibility, albedo), frame.sky, 0,
-                               APERTURA_ONE_LIGHT == 1 ? 1 : frame.counts.x);
-    }
+    if (bounces != APERTURA_BOUNCES_NONE) sum += aperturaBouncedLights(bounce, 0, APERTURA_ONE_LIGHT == 1 ? 1 : frame.counts.x, lightClass);
     colour = painting(base, sum);
 }

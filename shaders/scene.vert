@@ -16,8 +16,12 @@ layout(location = 1) out vec3 worldNormal;
 #if APERTURA_AT_VERTICES
 layout(location = 2) out vec4 seenHere;  // D, A, sr
 layout(location = 3) out vec4 slot;
-layout(location = 4) out vec4 skyHere;  // rgb: what the sky gives, W/m2; w: E of a sky of unit radiance
+layout(location = 4) out vec4 skyHere;  // rgb: the mean radiance of the sky that is let through or, without bounces, what it gives, W/m2;
+                                        // w: E of a sky of unit radiance
+layout(location = 5) out vec3 bounceShare;
+layout(location = 6) out vec3 bounceTowards;
 layout(constant_id = 7) const bool oneLight = false;
+layout(constant_id = 8) const int bounces = APERTURA_BOUNCES_NONE;
 #else
 // The lattice of the triangle's samples: see aperturaLatticeCellFromFirst. One that has its three vertices alone has one step. In an image:
 // the place in texels, 0, and the first texel, width and height.
@@ -61,7 +65,14 @@ void main() {
     // Of one light that is a point for it, a pixel needs of a soft aperture one number, which is linear in its four.
     if (oneLight && aperturaIsPointFor(model, lightClass)) slot = vec4(0.0, 0.0, 0.0, slot.w + dot(slot.xyz, frame.lights[0].cap.axis));
     skyHere.w = aperturaSkyIrradiance(model, receiver);
-    skyHere.rgb = skyHere.w * aperturaSkyThrough(model, receiver.normal, seenHere, frame.sky);
+    skyHere.rgb = aperturaSkyThrough(model, receiver.normal, seenHere, frame.sky);
+    if (bounces == APERTURA_BOUNCES_NONE) skyHere.rgb *= skyHere.w;
+    bounceShare = bounceTowards = vec3(0.0);
+    if (bounces == APERTURA_BOUNCES_BAKED) {
+        AperturaBounce bounce = bounceOf(vertex);
+        bounceShare = bounce.share;
+        bounceTowards = bounce.towards;
+    }
 #else
     uint vertex = indices[gl_VertexIndex];
     placeSamples(gl_VertexIndex % 3, vertices[vertex]);

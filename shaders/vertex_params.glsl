@@ -3,6 +3,7 @@
 #define APERTURA_VERTEX_PARAMS_GLSL
 #include "models.glsl"
 #include "scene.glsl"
+#include "stored_bounce.glsl"
 
 layout(constant_id = 0) const int model = APERTURA_MODEL_SOFT;
 layout(constant_id = 1) const int lightClass = APERTURA_LIGHTS_ANY;

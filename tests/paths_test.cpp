@@ -47,7 +47,7 @@ TEST(Paths, InAClosedBoxTheSeriesOfAlbedosIsSummed) {
     struct Glow {
         double sum = 1;  // of the wall that is met first
         bool ends(const glm::dvec3&, const glm::vec3&, float) const { return false; }
-        void reflects(const SurfacePoint&, const glm::vec3& throughput) { sum += throughput.x; }
+        bool reflects(const Hit&, const SurfacePoint&, const glm::vec3& throughput) { return sum += throughput.x, true; }
         void escapes(const glm::vec3&, const glm::vec3&) { ADD_FAILURE() << "out of a closed box"; }
     };
     const Scene scene = closedBox();

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "apertura/bake/fit/bounce.h"
 #include "apertura/bake/fit/faces.h"
 #include "apertura/bake/fit/terrain.h"
 #include "apertura/bake/fit/texels.h"
@@ -9,6 +10,7 @@
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/gltf_document.h"
 #include "apertura/runtime/asset/image_files.h"
+#include "apertura/runtime/asset/materials.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 #include "tools/terrain.h"
@@ -26,7 +28,8 @@ struct Arguments {
     int bits = 8;
     bool isSwept = false;   // a height map, without rays
     double meshError = -1;  // metres; negative: meshToSweep's own
-    std::string price, at, as = "visibility", images, engine;
+    std::string price, at, as = "visibility", images, engine, albedo;
+    bool bounce = false;
 };
 
 // Refuses, before anything is traced, names of images that cannot be written, or that are the scene's own.
@@ -92,6 +95,11 @@ void run(const Arguments& a) {
     FaceReport report;
     TexelReport texels;
     TerrainReport swept;
+    BounceReport bounced;
+    if (a.bounce) {
+        loadTextures(scene, TexturesFor::Pictures);
+        info.bounce = a.albedo.empty() ? "materials" : a.albedo;
+    }
     {
         ProgressBar bar("baking");
         const Progress progress = bar.callback();
@@ -102,7 +110,12 @@ void run(const Arguments& a) {
         } else {
             const Tracer tracer(scene, progress);
             info.rayOffset = tracer.offset();
-            visibility = bakeScene(scene, tracer, a.bake, progress, &issues, &plan, &report, &texels);
+            visibility = bakeScene(scene, tracer, a.bake, part(progress, 0, a.bounce ? 0.5 : 1), &issues, &plan, &report, &texels);
+            if (a.bounce) {
+                BounceOptions options{.rays = a.bake.rays, .seed = a.bake.seed, .threads = a.bake.threads};
+                if (!a.albedo.empty()) options.albedo = {*albedoIn(a.albedo), true};
+                bounced = bakeBounces(scene, tracer, visibility, options, part(progress, 0.5, 1));
+            }
         }
     }
     info.at = a.bake.at == At::Faces ? "faces" : a.bake.at == At::Texels && a.bake.as == As::Visibility ? "texels" : "vertices";
@@ -139,6 +152,10 @@ void run(const Arguments& a) {
             "(wanted: %.3g and %.3g)\n  %.3g times the rays of all vertices and samples were traced, to decide where those are\n",
             report.samples, little(report.error).c_str(), little(report.skyError).c_str(), report.tolerance, report.skyTolerance,
             double(report.rays + vertices * size_t(a.bake.rays)) / (double(vertices + report.samples) * a.bake.rays));
+    if (bounced.passes > 0)
+        std::printf(
+            "  surfaces reflect %.3g of a sky of one radiance on average; %d bounces followed, the last of which adds %.2g (RMS)\n",
+            bounced.mean, bounced.passes, bounced.left);
     if (texels.images > 0) {
         std::printf("  %zu %s%s of %zu texels, of which %.3g %% are drawn\n", texels.images, texels.images == 1 ? "image" : "images",
                     a.bake.as == As::BentNormals ? " of bent normals, and as many of occlusion," : "", texels.texels,
@@ -244,6 +261,13 @@ void addBakeCommand(CLI::App& program) {
     command.add_option("--max-bytes", a->bake.maxBytes, "that visibility may take in the file [no limit]")
         ->check(finiteRange(1, 1e12))
         ->type_name("N");
+    command.add_flag("--bounce", a->bounce,
+                     "store what surfaces reflect, too: 8 bytes a vertex and 6 a sample on faces, for render and view --bounces");
+    command
+        .add_option("--albedo", a->albedo,
+                    "with --bounce: what all surfaces reflect, in place of their materials' base colours, 0..1 [theirs; 0.8 of files "
+                    "without materials]")
+        ->type_name("A|R,G,B");
     addHeightMapOptions(command, a->map);
     const char* const group = "Height maps";
     command
@@ -268,6 +292,11 @@ void addBakeCommand(CLI::App& program) {
     command.callback([a, &command] {
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
         if (command.count("--tolerance") > 0 && a->model != "auto") throw CLI::ValidationError("--tolerance is for --model auto");
+        if (!a->albedo.empty() && !albedoIn(a->albedo))
+            throw CLI::ValidationError("--albedo: '" + a->albedo + "' is neither A nor R,G,B, each from 0 to 1");
+        if (!a->albedo.empty() && !a->bounce) throw CLI::ValidationError("--albedo is for --bounce");
+        if (a->bounce && a->at == "texels")
+            throw CLI::ValidationError("--bounce is for --at vertices and faces: images hold visibility alone");
         if (command.count("--texels") > 0 && a->at != "texels") throw CLI::ValidationError("--texels is for --at texels");
         if (command.count("--images") > 0 && a->at != "texels") throw CLI::ValidationError("--images is for --at texels");
         if (command.count("--as") > 0 && a->at != "texels") throw CLI::ValidationError("--as is for --at texels");
@@ -283,6 +312,7 @@ void addBakeCommand(CLI::App& program) {
         if (!a->engine.empty() && !isHeightMap(a->scene)) throw CLI::ValidationError("--engine is for height maps");
         if (a->engine == "sweep" && !wantsRays.empty()) throw CLI::ValidationError(wantsRays + " is for --engine rays");
         a->isSwept = isHeightMap(a->scene) && (a->engine.empty() ? wantsRays.empty() : a->engine == "sweep");
+        if (a->bounce && a->isSwept) throw CLI::ValidationError("--bounce wants rays: --engine rays");
         for (const char* const own : {"--error", "--mesh-error"})
             if (command.count(own) > 0 && !a->isSwept)
                 throw CLI::ValidationError(std::string(own) + " is for height maps that are swept"

@@ -6,6 +6,7 @@
 #include "apertura/bake/measure/measure.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
+#include "apertura/runtime/asset/materials.h"
 #include "apertura/runtime/asset/view.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
@@ -14,7 +15,7 @@ namespace apertura {
 namespace {
 
 struct Arguments {
-    std::string scene, json;
+    std::string scene, json, albedo;
     std::vector<std::string> models;
     HeightMapOptions map;
     MeasureOptions measure;
@@ -51,6 +52,7 @@ nlohmann::ordered_json toJson(const Measurement& m) {
                 rows.back()["edge"] = r.edge > 0 ? nlohmann::ordered_json(r.edge) : nlohmann::ordered_json();
             }
         }
+        if (!m.bounces.empty()) rows.back()["ambient_unbounced_rmse"] = r.unbounced, rows.back()["ambient_bounced_rmse"] = r.bounced;
         if (r.texelsPerMetre > 0) rows.back()["texels_per_metre"] = r.texelsPerMetre;
     }
     for (const PathRow& p : m.paths)
@@ -63,6 +65,9 @@ nlohmann::ordered_json toJson(const Measurement& m) {
                          {"irradiance_rms", p.irradianceRms}});
     nlohmann::ordered_json out{{"scene", m.scene}, {"receivers", m.receivers}, {"buried", m.buried}, {"rows", rows}};
     if (!m.paths.empty()) out["sh_and_rays"] = paths;
+    for (const BounceRow& b : m.bounces)
+        out["bounces"].push_back(
+            {{"by", b.by}, {"sky_rmse", b.sky}, {"sky_bias", b.skyBias}, {"light_rmse", b.light}, {"light_bias", b.lightBias}});
     return out;
 }
 
@@ -73,27 +78,32 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     std::printf("rmse of E / (L pi sin^2 r) at %d receivers, by light radius in degrees", m.receivers);
     if (m.buried > 0) std::printf("; %d more lie inside solids, where nobody sees them", m.buried);
     std::printf("\n");
+    const bool bounces = !m.bounces.empty();
     std::printf("%-12s %-5s %7s %6s %7s", "model", "from", "numbers", "bytes", "ambient");
+    if (bounces) std::printf(" %7s", "bounced");
     for (double radius : radii) std::printf(" %8g", radius);
     std::printf("\n");
     for (size_t i = 0; i < m.rows.size(); i += radii.size()) {
         const MeasureRow& first = m.rows[i];
-        std::printf("%-12s %-5s %7.4g %6.3g %7.4f", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes, first.ambient);
+        std::printf("%-12s %-5s %7.4g %6.3g %7.4f", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes,
+                    bounces ? first.unbounced : first.ambient);
+        if (bounces) std::printf(" %7.4f", first.bounced);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].rmse);
         std::printf("\n");
         if (!m.paths.empty() || !(first.own > 0)) continue;
-        std::printf("%-33s %7.4f", "  at the receivers themselves", first.ambientOwn);
+        const int indent = bounces ? 49 : 41;
+        std::printf("%-33s %7.4f%s", "  at the receivers themselves", first.ambientOwn, bounces ? "        " : "");
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].own);
-        std::printf("\n%-41s", "  mottle");
+        std::printf("\n%-*s", indent, "  mottle");
         for (size_t k = 0; k < radii.size(); ++k)
             radii[k] <= Appearance::kLargest ? std::printf(" %8.4f", m.rows[i + k].mottle) : std::printf(" %8s", "");
-        std::printf("\n%-41s", "  width of edges, over truth's own");
+        std::printf("\n%-*s", indent, "  width of edges, over truth's own");
         for (size_t k = 0; k < radii.size(); ++k)
             m.rows[i + k].edge > 0 ? std::printf(" %8.1f", m.rows[i + k].edge) : std::printf(" %8s", "");
         std::printf("\n");
     }
     const auto footer = [&](const char* name, double MeasureRow::*field) {
-        std::printf("%-41s", name);
+        std::printf("%-*s", bounces ? 49 : 41, name);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[k].*field);
         std::printf("\n");
     };
@@ -105,6 +115,15 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     for (const MeasureRow& r : m.rows)
         if (r.texelsPerMetre > 0 && &r == &m.rows[m.rows.size() - radii.size()])
             std::printf("shadow-map: %d texels a side over the whole scene, %.3g a metre on average\n", kShadowTexels, r.texelsPerMetre);
+    if (bounces) {
+        std::printf(
+            "ambient, bounced: of a sky of one radiance whose light bounces, without what surfaces reflect and with it\n\n"
+            "what surfaces reflect: E of that sky over pi, and E of a light at infinity, over what it gives to a surface that faces it\n"
+            "%-8s %10s %10s %12s %12s\n",
+            "from", "sky rmse", "sky bias", "light rmse", "light bias");
+        for (const BounceRow& b : m.bounces)
+            std::printf("%-8s %10.4f %+10.4f %12.4f %+12.4f\n", b.by.c_str(), b.sky, b.skyBias, b.light, b.lightBias);
+    }
     if (m.paths.empty()) return;
     std::printf(
         "\nwhere apertures of coefficients (sh) and of rays part: what each step does to the receiver's own aperture,\n"
@@ -125,7 +144,8 @@ void run(Arguments a) {
     std::vector<std::string> notes;
     {
         ProgressBar bar("comparing");
-        const Scene scene = loadScene(a.scene, a.map);
+        Scene scene = loadScene(a.scene, a.map);
+        if (a.measure.bounces > 0 && a.albedo.empty()) loadTextures(scene, TexturesFor::Pictures);
         if (hasVisibility(scene)) {
             const Asset asset = toAsset(scene);
             for (const Model* model : a.measure.models)
@@ -166,11 +186,28 @@ void addCompareCommand(CLI::App& program) {
     command.add_option("--tolerance", a->measure.tolerance, "of the model auto: RMSE [0.05]")
         ->check(finiteRange(1e-6, 1e6))
         ->type_name("RMSE");
+    command
+        .add_option("--bounces", a->measure.bounces,
+                    "let light bounce so often, from surface to surface, in the truth of the sky: the ambient errors are then those "
+                    "against that, without and with what surfaces reflect [0]")
+        ->check(CLI::Range(0, 1000))
+        ->type_name("N");
+    command
+        .add_option("--albedo", a->albedo,
+                    "with --bounces: what all surfaces reflect, in place of their materials' base colours, 0..1 [theirs; 0.8 of files "
+                    "without materials]")
+        ->type_name("A|R,G,B");
     command.add_option("--seed", a->measure.seed, "of the receivers and the rays [1]")->type_name("S");
     command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     command.add_option("--json", a->json, "write the table here too")->type_name("OUT");
     addHeightMapOptions(command, a->map);
-    command.callback([a] { run(*a); });
+    command.callback([a] {
+        if (!a->albedo.empty() && !albedoIn(a->albedo))
+            throw CLI::ValidationError("--albedo: '" + a->albedo + "' is neither A nor R,G,B, each from 0 to 1");
+        if (!a->albedo.empty() && a->measure.bounces == 0) throw CLI::ValidationError("--albedo is for --bounces");
+        if (!a->albedo.empty()) a->measure.albedo = {*albedoIn(a->albedo), true};
+        run(*a);
+    });
 }
 
 }  // namespace apertura

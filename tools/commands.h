@@ -62,4 +62,7 @@ void refuseToReplaceInput(const std::string& in, const std::string& out);
 // Parses "2.5x3", or "2.5" for two equal numbers. Throws CLI::ValidationError unless they are above 0.
 void parsePair(const std::string& text, double& first, double& second);
 
+// An albedo A or R,G,B, each 0..1; nothing if the text is neither.
+std::optional<glm::vec3> albedoIn(const std::string& text);
+
 }  // namespace apertura

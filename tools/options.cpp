@@ -128,4 +128,11 @@ std::string inQuotes(const std::string& text) {
     return out + "\"";
 }
 
+std::optional<glm::vec3> albedoIn(const std::string& text) {
+    const std::vector<double> n = parseNumbers(text, ',');
+    const bool right = (n.size() == 1 || n.size() == 3) && std::all_of(n.begin(), n.end(), [](double a) { return a >= 0 && a <= 1; });
+    if (!right) return std::nullopt;
+    return n.size() == 1 ? glm::vec3(float(n[0])) : glm::vec3(n[0], n[1], n[2]);
+}
+
 }  // namespace apertura

@@ -21,14 +21,6 @@ std::optional<glm::vec3> colourIn(const std::string& text) {
     return glm::convertSRGBToLinear(glm::dvec3(value >> 16 & 255, value >> 8 & 255, value & 255) / 255.0);
 }
 
-// A or R,G,B, each 0..1.
-std::optional<glm::vec3> albedoIn(const std::string& text) {
-    const std::vector<double> n = parseNumbers(text, ',');
-    const bool right = (n.size() == 1 || n.size() == 3) && std::all_of(n.begin(), n.end(), [](double a) { return a >= 0 && a <= 1; });
-    if (!right) return std::nullopt;
-    return n.size() == 1 ? glm::vec3(float(n[0])) : glm::vec3(n[0], n[1], n[2]);
-}
-
 bool namesPicture(const std::string& text) {
     std::string ending = text.size() > 4 ? text.substr(text.size() - 4) : "";
     std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -108,7 +100,7 @@ void ViewOptions::addTo(CLI::App& command) {
     command
         .add_option("--around", around,
                     "what models take for the albedo of the surfaces that block the sky: the mean of the scene's, the surface's own, or "
-                    "numbers, 0..1 [mean]")
+                    "numbers, 0..1 [what was baked with --bounce, or mean]")
         ->type_name("mean|own|A|R,G,B");
     command.add_option("--exposure", exposure, "stops that a .png is brightened by; an .exr holds radiance itself [0]")
         ->check(finiteRange(-64.0, 64.0))
@@ -153,8 +145,8 @@ View ViewOptions::viewOf(const Scene& scene, std::vector<std::string>& notes) co
     view.plain = plain || !albedo.empty();
     if (!albedo.empty()) view.albedo = *albedoIn(albedo);
     view.bounces = bounces;
-    view.aroundAsSelf = around == "own";
-    view.around = around.empty() || around == "mean" || around == "own" ? meanAlbedo(scene, view.albedo) : *albedoIn(around);
+    view.around = around.empty() ? View::Around::Baked : around == "own" ? View::Around::Own : View::Around::Given;
+    view.aroundAlbedo = around.empty() || around == "mean" || around == "own" ? meanAlbedo(scene, view.albedo) : *albedoIn(around);
     if (!noSun) view.lights.push_back(sunLight(azimuth, elevation, radius));
     std::vector<AperturaLight> more;
     if (!lights.empty()) more = readLights(lights);

@@ -210,7 +210,9 @@ Price priceNamed(const std::string& name) { return name == "bytes" ? Price::Byte
 Measurement measureScene(const Scene& scene, const MeasureOptions& options, const Progress& progress) {
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(scene, part(progress, 0, 0));
-    const LitReceivers lit = traceLitReceivers(scene, measuredRegion(scene.name, scene), tracer, options, part(progress, 0, 0.6));
+    LitReceivers lit = traceLitReceivers(scene, measuredRegion(scene.name, scene), tracer, options, part(progress, 0, 0.5));
+    Measurement out;
+    out.bounces = traceLitBounces(lit, tracer, nullptr, options, part(progress, 0.5, 0.6));
     const std::vector<SurfacePoint> points = lit.surfacePoints();
     const RayOcclusion occlusion(tracer);
     BakeOptions bake;
@@ -235,7 +237,6 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
                      transfer[i] = makePoint(recipeNamed("transfer"), tools, samples, frame, fitOptions).visibility;
                  });
 
-    Measurement out;
     out.scene = scene.name;
     out.receivers = int(points.size());
     out.buried = lit.buried;
@@ -256,8 +257,10 @@ Measurement measureScene(const Scene& scene, const MeasureOptions& options, cons
 Measurement measureAsset(const Asset& asset, const MeasureOptions& options, const Progress& progress) {
     const auto limit = limitThreads(options.threads);
     const Tracer tracer(asset.scene, part(progress, 0, 0));
-    const LitReceivers lit = traceLitReceivers(asset.scene, measuredRegion(asset.info.scene, asset.scene), tracer, options,
-                                               part(progress, 0, 0.8));
+    LitReceivers lit = traceLitReceivers(asset.scene, measuredRegion(asset.info.scene, asset.scene), tracer, options,
+                                         part(progress, 0, 0.7));
+    Measurement out;
+    out.bounces = traceLitBounces(lit, tracer, &asset, options, part(progress, 0.7, 0.8));
     const std::vector<SurfacePoint> points = lit.surfacePoints();
     const RayOcclusion occlusion(tracer, asset.info.maxDistance);
     // What each model is measured with: the recipe that the asset was baked by. A stored model leaves the four numbers as they were baked;
@@ -295,7 +298,6 @@ Measurement measureAsset(const Asset& asset, const MeasureOptions& options, cons
         if (radius <= Appearance::kLargest) small.push_back(radius);
     const Appearance appearance(asset, tracer, lit.points, small, options.seed, part(progress, 0.9, 1));
 
-    Measurement out;
     out.scene = asset.scene.name;
     out.receivers = int(points.size());
     out.buried = lit.buried;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "apertura/bake/measure/bounces.h"
 #include "apertura/bake/measure/truth.h"
 #include "apertura/runtime/asset/asset.h"
 #include "apertura/sh/models.h"
@@ -19,6 +20,8 @@ struct MeasureOptions {
     int lightSamples = 256;  // rays per light and receiver, for the truth
     uint32_t seed = 1;
     double tolerance = 0.05;  // RMSE that `auto` keeps within
+    int bounces = 0;          // that light takes in the truth of the sky, which is then compared with what bounce.glsl makes of it, too
+    Albedo albedo;            // of what reflects it
     int threads = 0;          // 0: one per core
 };
 
@@ -31,10 +34,11 @@ struct MeasureRow {
                              // which gives a rival's bytes as its authors pack it, alone
     double lightRadius = 0;  // degrees
     double rmse = 0, bias = 0, max = 0;
-    double rmsTruth = 0;             // RMS of the truth itself
-    double noise = 0;                // RMS of the truth's own sampling error
-    double ambient = 0;              // RMSE of the irradiance from a uniform sky, over pi
-    double own = 0, ambientOwn = 0;  // measureAsset: rmse and ambient of the model made at the same receivers themselves
+    double rmsTruth = 0;                // RMS of the truth itself
+    double noise = 0;                   // RMS of the truth's own sampling error
+    double ambient = 0;                 // RMSE of the irradiance from a uniform sky, over pi
+    double unbounced = 0, bounced = 0;  // the same where light bounces: without what surfaces reflect, and with it; 0 if none does
+    double own = 0, ambientOwn = 0;     // measureAsset: rmse and ambient of the model made at the same receivers themselves
     // measureAsset, of lights up to Appearance::kLargest: see mottleOf, and Appearance::edge. 0 where there is none.
     double mottle = 0, edge = 0;
     // Light that the model lets through where the truth is 0, for lights with a cosine to the normal over 0.1 (6 degrees
@@ -60,6 +64,7 @@ struct Measurement {
     std::vector<MeasureRow> rows;
     double unreached = 0;  // fraction of receivers where no model came within the tolerance of `auto`
     std::vector<PathRow> paths;
+    std::vector<BounceRow> bounces;  // of the ways to know what surfaces reflect, if light bounces
 };
 
 // The model's own error: each model is computed at the receivers themselves, from the coefficients and straight from rays.

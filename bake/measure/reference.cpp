@@ -150,8 +150,9 @@ private:
             bool ends(const glm::dvec3& from, const glm::vec3& direction, float distance) const {
                 return shader.lightAlong(from, direction, distance).has_value();
             }
-            void reflects(const SurfacePoint& point, const glm::vec3& throughput) {
+            bool reflects(const Hit&, const SurfacePoint& point, const glm::vec3& throughput) {
                 sum += glm::dvec3(throughput) * shader.directAt(point, path, uint64_t(++met)) / pi;
+                return true;
             }
             void escapes(const glm::vec3& direction, const glm::vec3& throughput) {
                 if (met > 0) sum += throughput * shader.view_.sky.towards(direction);

@@ -8,13 +8,17 @@
 #include <numbers>
 
 #include "apertura/bake/sampling/directions.h"
+#include "apertura/runtime/asset/bounces.h"
 #include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/materials.h"
+#include "apertura/runtime/asset/receiver.h"
 #include "apertura/runtime/asset/view.h"
 
 namespace apertura {
 namespace {
 
 using std::numbers::pi;
+constexpr int kBounceRays = 1024;    // paths of a receiver
 constexpr int kBackRays = 64;        // by which a receiver is found to be buried
 constexpr double kLeakCosine = 0.1;  // leaks count for lights whose cosine to the normal is above this
 
@@ -68,12 +72,19 @@ MeasureRow newRow(const LitReceivers& lit, std::string model, std::string source
     row.model = std::move(model);
     row.source = std::move(source);
     row.lightRadius = radius;
-    double ambient = 0;
+    double ambient = 0, unbounced = 0, bounced = 0;
     for (size_t i = 0; i < truth.size(); ++i) {
-        const double off = sky(i) - std::max(glm::dot(lit.points[i].at.normal, truth[i].direction), 0.0f);
+        const double own = sky(i), off = own - std::max(glm::dot(lit.points[i].at.normal, truth[i].direction), 0.0f);
         ambient += off * off / (pi * pi);
+        if (lit.bounces.empty()) continue;
+        const glm::dvec3 without = own / pi - glm::dvec3(lit.bounces[i].sky),
+                         with = without + glm::dvec3(lit.bounceAt(i, float(own)).share);
+        unbounced += glm::dot(without, without) / 3;
+        bounced += glm::dot(with, with) / 3;
     }
     row.ambient = std::sqrt(ambient / double(truth.size()));
+    row.unbounced = std::sqrt(unbounced / double(truth.size()));
+    row.bounced = std::sqrt(bounced / double(truth.size()));
     return row;
 }
 
@@ -129,6 +140,22 @@ LitReceivers traceLitReceivers(const Scene& scene, const MeasuredRegion& region,
     });
     counter.throwIfStopped();
     return lit;
+}
+
+std::vector<BounceRow> traceLitBounces(LitReceivers& lit, const Tracer& tracer, const Asset* asset, const MeasureOptions& options,
+                                       const Progress& progress) {
+    if (options.bounces == 0) return {};
+    const std::vector<SurfacePoint> points = lit.surfacePoints();
+    lit.bounces = traceBounces(tracer, points, options.albedo, options.bounces, kBounceRays, options.seed, progress);
+    const glm::vec3 albedo = options.albedo.isPlain ? options.albedo.plain : meanAlbedo(tracer.scene(), options.albedo.plain);
+    lit.absorbed = glm::max(1.0f - albedo, APERTURA_LEAST_ABSORBED);
+    std::vector<AperturaBounce> none(points.size(), {glm::vec3(0), glm::vec3(0)}), given;
+    for (size_t i = 0; i < points.size(); ++i) given.push_back(lit.bounceAt(i, float(pi) * lit.bounces[i].open));
+    std::vector<BounceRow> out{bounceRow("none", lit.bounces, none), bounceRow("given", lit.bounces, given)};
+    if (!asset || !hasBounces(*asset) || options.albedo.isPlain) return out;
+    for (const SurfaceSample& p : lit.points) lit.baked.push_back(bounceAt(*asset, p.instance, p.triangle, p.weights));
+    out.push_back(bounceRow("baked", lit.bounces, lit.baked));
+    return out;
 }
 
 void addRows(const LitReceivers& lit, const ModelReceivers& made, const std::vector<Visibility>& truth, const MeasureOptions& options,

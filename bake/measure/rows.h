@@ -16,6 +16,16 @@ struct LitReceivers {
     std::vector<std::vector<glm::vec3>> lights;                // [receiver][light]
     std::vector<std::vector<std::vector<TruthSample>>> truth;  // [receiver][radius][light]
     int buried = 0;                                            // receivers that were left out, because nobody can see them
+    std::vector<BounceTruth> bounces;                          // if light bounces: the truth at each receiver,
+    std::vector<AperturaBounce> baked;                         // what an asset stores there,
+    glm::vec3 absorbed{0};                                     // or, without that, what surfaces absorb
+
+    // What surfaces reflect to a receiver that gets this E of a sky of unit radiance.
+    AperturaBounce bounceAt(size_t receiver, float sky) const {
+        if (!baked.empty()) return baked[receiver];
+        const Visibility& v = bounces[receiver].visibility;
+        return aperturaBounceAround(sky, vec4(v.direction, v.area), absorbed);
+    }
 
     std::vector<SurfacePoint> surfacePoints() const {
         std::vector<SurfacePoint> out;
@@ -38,6 +48,11 @@ struct ModelReceivers {
     double numbers, bytes;
     std::vector<std::vector<std::pair<float, AperturaReceiver>>> receivers;
 };
+
+// Traces the truth of light that bounces, if the options want it, and takes what is known without: from `asset`, where it stores that and
+// all surfaces have their own colours, or from the mean of what they reflect. Returns the rows of Measurement::bounces. Throws Cancelled.
+std::vector<BounceRow> traceLitBounces(LitReceivers& lit, const Tracer& tracer, const Asset* asset, const MeasureOptions& options,
+                                       const Progress& progress);
 
 // Appends a row for each light radius. `truth`: what each receiver sees, for the sky.
 void addRows(const LitReceivers& lit, const ModelReceivers& made, const std::vector<Visibility>& truth, const MeasureOptions& options,

@@ -9,7 +9,7 @@ namespace {
 struct UnderSky {
     glm::dvec3 sum{0};
     bool ends(const glm::dvec3&, const glm::vec3&, float) const { return false; }
-    void reflects(const SurfacePoint&, const glm::vec3&) const {}
+    bool reflects(const Hit&, const SurfacePoint&, const glm::vec3&) const { return true; }
     void escapes(const glm::vec3&, const glm::vec3& throughput) { sum += throughput; }
 };
 

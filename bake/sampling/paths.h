@@ -21,7 +21,8 @@ glm::vec4 albedoAt(const Scene& scene, const Hit& hit, const Albedo& albedo);
 // Follows light backwards from `origin` along `direction` (unit, world) over at most `bounces` reflections. Surfaces are flat and reflect
 // on both sides; those that blend let a part of the paths through. The same `seed` and `path` give the same path everywhere.
 //   visitor.ends(origin, direction, distance)        true: the path ends before it comes so far, metres; kNoLimit: out of the scene
-//   visitor.reflects(point, throughput)              light comes from here: `throughput` / pi times the irradiance of the point
+//   visitor.reflects(hit, point, throughput)         light comes from here: `throughput` / pi times the irradiance of the point, which
+//                                                    looks at the path; false: the path ends here
 //   visitor.escapes(direction, throughput)           and the sky's radiance from there
 template <typename Visitor>
 void followPath(const Tracer& tracer, const Albedo& albedo, glm::dvec3 origin, glm::vec3 direction, int bounces, uint32_t seed,
@@ -43,7 +44,7 @@ void followPath(const Tracer& tracer, const Albedo& albedo, glm::dvec3 origin, g
         throughput *= glm::vec3(colour);
         if (bounce++ == bounces || throughput == glm::vec3(0)) return;
         if (glm::dot(point.normal, direction) > 0) point.normal = -point.normal;
-        visitor.reflects(point, throughput);
+        if (!visitor.reflects(*hit, point, throughput)) return;
         const double turn = 2 * std::numbers::pi * hashUnit(seed, path, number), squared = hashUnit(seed, path, number + 1);
         number += 2;
         const double across = std::sqrt(squared);

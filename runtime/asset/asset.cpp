@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apertura/runtime/asset/bent_normals.h"
+#include "apertura/runtime/asset/bounces.h"
 #include "apertura/runtime/asset/faces.h"
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/gltf.h"
@@ -111,6 +112,7 @@ Json describe(const BakeInfo& info) {
     if (info.unmetArea > 0) out["unmetArea"] = info.unmetArea;
     if (!info.price.empty()) out["price"] = info.price;
     if (!info.alone.empty()) out["alone"] = info.alone;
+    if (!info.bounce.empty()) out["bounce"] = info.bounce;
     return out;
 }
 
@@ -139,6 +141,7 @@ void removeBaked(GltfWriter& writer) {
         views.merge(removeTexels(json));
     }
     accessors.merge(removeFaces(json));
+    accessors.merge(removeBounces(json));
     writer.release(accessors, views);
 }
 
@@ -258,6 +261,7 @@ BakeInfo readInfo(const Json& said, const std::string& name) {
     info.at = text("at") == "faces" || text("at") == "texels" ? text("at") : "vertices";
     info.unmetArea = number("unmetArea", 0);
     info.alone = text("alone");
+    info.bounce = text("bounce");
     return info;
 }
 
@@ -305,6 +309,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
         }
         const glm::mat3 rotation = rotationPart(instance.toWorld);
         primitive["attributes"][kAttribute] = addVisibility(writer, visibility[i].visibility, rotation, info.bits);
+        if (!visibility[i].bounces.empty()) addBounces(writer, primitive, visibility[i].bounces, rotation);
         if (!stored) continue;
         const std::vector<std::byte> bytes = packAllParams(*stored, visibility[i].allParams, glm::transpose(rotation), info.bits);
         Bytes copy(bytes.size());
@@ -322,6 +327,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     if (asset.contains("extras") && !asset["extras"].is_object()) asset["extras"] = {{"input", asset["extras"]}};
     if (stored) description["forms"] = allParams;
     if (Json faces = addFaces(writer, scene, visibility, stored, info.bits); !faces.is_null()) description["faces"] = std::move(faces);
+    addBouncesOnFaces(writer, scene, visibility);
     if (Json texels = addTexels(writer, scene, visibility, info.bits); !texels.is_null()) description["texels"] = std::move(texels);
     if (Json bent = addBentNormals(writer, scene, visibility, info.bits); !bent.is_null()) description["bentNormals"] = std::move(bent);
     asset["extras"]["apertura"] = description;
@@ -401,6 +407,7 @@ Asset toAsset(Scene scene) {
     asset.scene = std::move(scene);
     readFaces(asset, described, atVertices);
     readTexels(asset, described);
+    readBounces(asset);
     return asset;
 }
 

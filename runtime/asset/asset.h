@@ -27,7 +27,8 @@ struct BakeInfo {
     std::string hemisphere = "vertex normal";
     std::string at = "vertices";  // where visibility is stored: vertices, or faces too, or texels too
     int bentNormals = 0;          // instances that have images of bent normals and of occlusion beside it, for engines
-    double unmetArea = 0;         // faces: fraction of the area that errs more than was asked for
+    std::string bounce;    // what surfaces reflect is stored: "materials", or the albedo that all of them had, "R,G,B"; empty: it is not
+    double unmetArea = 0;  // faces: fraction of the area that errs more than was asked for
 };
 
 // Visibility on the faces of one instance, for triangles whose vertices do not suffice: lattices of samples (shaders/lattice.glsl), one
@@ -35,9 +36,10 @@ struct BakeInfo {
 struct SeenOnFaces {
     std::vector<uint8_t>
         levels;  // of each triangle, 0..APERTURA_MAX_LATTICE_LEVEL: see aperturaLatticeSteps; 0: its vertices suffice. Empty: all are 0
-    std::vector<uint32_t> first;         // of each triangle, where its lattice begins
-    std::vector<Visibility> visibility;  // one per sample
-    std::vector<ModelParams> allParams;  // one per sample if a model is stored beside visibility; else empty
+    std::vector<uint32_t> first;          // of each triangle, where its lattice begins
+    std::vector<Visibility> visibility;   // one per sample
+    std::vector<ModelParams> allParams;   // one per sample if a model is stored beside visibility; else empty
+    std::vector<AperturaBounce> bounces;  // one per sample if what surfaces reflect is stored, directions in world space; else empty
 
     int level(size_t triangle) const { return levels.empty() ? 0 : levels[triangle]; }
     // Sets levels and first, and makes room for the samples.
@@ -69,8 +71,9 @@ struct SeenByInstance {
     std::vector<Visibility> visibility;  // one per position
     std::vector<ModelParams> allParams;  // one per position if a model is stored beside visibility; else empty
     SeenOnFaces faces;
-    SeenOnTexels texels;  // where there are some, they are what is drawn
-    BentNormals bent{};   // written, and not read again
+    SeenOnTexels texels;                    // where there are some, they are what is drawn
+    BentNormals bent{};                     // written, and not read again
+    std::vector<AperturaBounce> bounces{};  // one per position if what surfaces reflect is stored; else empty
 };
 using BakedVisibility = std::vector<SeenByInstance>;  // one per instance of the scene
 

@@ -41,17 +41,18 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
             const auto at = size_t(cell.texels[c]);
             add(cell.weights[c], seen.texels.visibility[at], none, 0, seen.texels.normals[at]);
         }
-    } else if (const int level = seen.faces.level(size_t(triangle)); level > 0) {
-        const AperturaLatticeCell cell = aperturaLatticeCell(barycentrics, aperturaLatticeSteps(level));
-        for (int c = 0; c < 3; ++c) {
-            const size_t at = seen.faces.first[size_t(triangle)] + size_t(cell.samples[c]);
-            add(cell.weights[c], seen.faces.visibility[at], seen.faces.allParams, at,
-                surfaceAt(asset.scene, instance, triangle, latticePoint(cell.samples[c], aperturaLatticeSteps(level))).looking());
-        }
     } else {
-        for (int c = 0; c < 3; ++c) {
-            const uint32_t v = surface.triangles[size_t(triangle)][size_t(c)];
-            add(barycentrics[c], seen.visibility[v], seen.allParams, v, normals * surface.normals[v]);
+        const SamplesAbout about = samplesAbout(surface, seen, size_t(triangle), barycentrics);
+        const int steps = aperturaLatticeSteps(std::max(seen.faces.level(size_t(triangle)), 1));
+        for (size_t c = 0; c < 3; ++c) {
+            const size_t at = about.at[c];
+            const float weight = about.weights[int(c)];
+            if (about.onFace)
+                add(weight, seen.faces.visibility[at], seen.faces.allParams, at,
+                    surfaceAt(asset.scene, instance, triangle, latticePoint(int(at - seen.faces.first[size_t(triangle)]), steps))
+                        .looking());
+            else
+                add(weight, seen.visibility[at], seen.allParams, at, normals * surface.normals[at]);
         }
     }
     if (!model.mixes) return corners;
@@ -61,6 +62,31 @@ WeightedReceivers receiverAt(const Asset& asset, const Model& model, int instanc
                                   toParams(model, visibility, nullptr, surfaceAt(asset.scene, instance, triangle, barycentrics).looking()),
                                   normal)}};
     return {{1.0f, aperturaRenormalised(model.id, toReceiver(visibility, mix, normal))}};
+}
+
+SamplesAbout samplesAbout(const Surface& surface, const SeenByInstance& seen, size_t triangle, const glm::vec3& barycentrics) {
+    SamplesAbout out{false, {}, barycentrics};
+    if (const int level = seen.faces.level(triangle); level > 0) {
+        const AperturaLatticeCell cell = aperturaLatticeCell(barycentrics, aperturaLatticeSteps(level));
+        out = {true, {}, cell.weights};
+        for (size_t c = 0; c < 3; ++c) out.at[c] = seen.faces.first[triangle] + size_t(cell.samples[int(c)]);
+    } else {
+        for (size_t c = 0; c < 3; ++c) out.at[c] = surface.triangles[triangle][c];
+    }
+    return out;
+}
+
+AperturaBounce bounceAt(const Asset& asset, int instance, int triangle, const glm::vec3& barycentrics) {
+    const SeenByInstance& seen = asset.seen[size_t(instance)];
+    const Surface& surface = asset.scene.surfaces[size_t(asset.scene.instances[size_t(instance)].surface)];
+    const SamplesAbout about = samplesAbout(surface, seen, size_t(triangle), barycentrics);
+    AperturaBounce out{glm::vec3(0), glm::vec3(0)};
+    for (size_t c = 0; c < 3; ++c) {
+        const AperturaBounce& own = about.onFace ? seen.faces.bounces[about.at[c]] : seen.bounces[about.at[c]];
+        out.share += about.weights[int(c)] * own.share;
+        out.towards += about.weights[int(c)] * own.towards;
+    }
+    return out;
 }
 
 AperturaReceiver receiverAtVertex(const Asset& asset, const Model& model, size_t instance, size_t vertex) {

@@ -19,10 +19,12 @@ struct View {
     glm::vec3 albedo{0.8f};  // rgb, 0..1, of scenes without materials
     bool plain = false;      // all surfaces have that albedo: materials only let through
     // Reflections on other surfaces that light may take on its way. The reference follows so many, by the materials' base colours; models
-    // estimate all of them (shaders/bounce.glsl), from the albedo of what blocks the sky: `around`, or that of the surface itself.
+    // estimate all of them (shaders/bounce.glsl).
     int bounces = 0;
-    glm::vec3 around{0.5f};  // rgb, 0..1; see meanAlbedo (asset/materials.h)
-    bool aroundAsSelf = false;
+    // From what they do: what the asset stores (bake --bounce) and, where it stores nothing or the view is plain, as if all that blocks the
+    // sky had one albedo; so in any case; or as if it had that of the surface itself.
+    enum class Around { Baked, Given, Own } around = Around::Baked;
+    glm::vec3 aroundAlbedo{0.5f};  // rgb, 0..1; see meanAlbedo (asset/materials.h)
 };
 
 // A light at infinity.

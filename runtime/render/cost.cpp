@@ -118,7 +118,7 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
     constexpr vk::ShaderStageFlags both = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
     const GpuBindings::Binding lit[] = {{uniform, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr},
                                         {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr},
-                                        {storage, both, nullptr}, {storage, both, nullptr}};
+                                        {storage, both, nullptr}, {storage, both, nullptr}, {storage, both, nullptr}};
     const GpuBindings::Binding mapped[] = {{uniform, both, nullptr}, {storage, both, nullptr},
                                            {storage, both, nullptr}, {uniform, both, nullptr},
                                            {storage, both, nullptr}, {vk::DescriptorType::eSampledImage, both, nullptr}};
@@ -141,25 +141,25 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
     static_assert(APERTURA_SHADOW_TAPS == 4 * 8);
     // What a pixel that reads its samples itself pays beside them, by class, faces, paint and bounces.
     struct Shared {
-        CompiledCost plain;    // N.L
-        CompiledCost opening;  // where the sky's light comes from, once for all corners
+        CompiledCost plain;  // N.L
+        CompiledCost rest;   // where the sky's light comes from and what bounces, once for all corners
     };
-    std::map<std::tuple<int, bool, bool, bool>, Shared> known;
+    std::map<std::tuple<int, bool, bool, int>, Shared> known;
     for (const PixelCase& c : cases) {
-        const auto withModel = [&](const Model& model, Corners corners) {
-            const int32_t constants[] = {model.id, c.lightClass, model.slots, c.onFaces, false, c.painted, 0, true, c.bounces};
+        const auto withModel = [&](const Model& model, Corners corners, int bounces) {
+            const int32_t constants[] = {model.id, c.lightClass, model.slots, c.onFaces, false, c.painted, 0, true, bounces};
             return compile({sceneVertex(corners), sceneFragment(corners, true), constants}, bindings);
         };
         const std::tuple key(c.lightClass, c.onFaces, c.painted, c.bounces);
         if (!known.contains(key)) {
             const Model& occlusion = *findModel("ao-area");
             Shared& shared = known[key];
-            shared.plain = withModel(*findModel("unshadowed"), Corners::Mixed);
-            // A model that mixes, as it is and counted by its corners: the rest is the opening.
-            const CompiledCost whole = withModel(occlusion, Corners::Mixed),
-                               corners = times(withModel(occlusion, Corners::One), shared.plain, 3);
-            shared.opening.cycles = std::max(whole.cycles - corners.cycles, 0);
-            shared.opening.instructions = std::max(whole.instructions - corners.instructions, 0);
+            shared.plain = withModel(*findModel("unshadowed"), Corners::Mixed, APERTURA_BOUNCES_NONE);
+            // A model that mixes, as it is and counted by its corners: the rest.
+            const CompiledCost whole = withModel(occlusion, Corners::Mixed, c.bounces),
+                               corners = times(withModel(occlusion, Corners::One, APERTURA_BOUNCES_NONE), shared.plain, 3);
+            shared.rest.cycles = std::max(whole.cycles - corners.cycles, 0);
+            shared.rest.instructions = std::max(whole.instructions - corners.instructions, 0);
         }
         const Shared& shared = known[key];
         if (!c.model) {
@@ -169,11 +169,11 @@ std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const Pix
             const int32_t constants[] = {c.model->id, 0, c.lightClass, c.painted, 0, c.bounces};
             out.push_back(compile({lit_vert, lit_frag, constants}, bindings));
         } else if (c.model->mixes) {
-            out.push_back(withModel(*c.model, cornersFor(*c.model, c.onFaces)));
+            out.push_back(withModel(*c.model, cornersFor(*c.model, c.onFaces), c.bounces));
         } else {
-            CompiledCost cost = times(withModel(*c.model, Corners::One), shared.plain, 3);
-            cost.cycles += shared.opening.cycles;
-            cost.instructions += shared.opening.instructions;
+            CompiledCost cost = times(withModel(*c.model, Corners::One, APERTURA_BOUNCES_NONE), shared.plain, 3);
+            cost.cycles += shared.rest.cycles;
+            cost.instructions += shared.rest.instructions;
             out.push_back(cost);
         }
     }
@@ -208,7 +208,7 @@ std::vector<double> measuredFrames(const Gpu& gpu, const View& view, std::span<c
     const Stopwatch stopwatch(gpu);
     for (const FrameCase& c : cases) {
         if (c.model)
-            c.renderer->prepare(*c.model, lightClassOf(view), format, c.at, int(view.lights.size()), view.bounces > 0);
+            c.renderer->prepare(*c.model, lightClassOf(view), format, c.at, int(view.lights.size()), c.renderer->bouncesOf(view));
         else
             c.renderer->prepareShadowMapped(format);
     }

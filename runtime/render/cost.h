@@ -32,7 +32,7 @@ struct PixelCase {
     LightAt at = LightAt::Pixels;
     bool onFaces = false;  // with samples on faces
     bool painted = false;  // with textures, of a material that is opaque
-    bool bounces = false;  // with what surfaces reflect
+    int bounces = APERTURA_BOUNCES_NONE;
 };
 std::vector<CompiledCost> compiledPixelCosts(const Gpu& gpu, std::span<const PixelCase> cases);
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "apertura/runtime/asset/bounces.h"
 #include "apertura/runtime/asset/faces.h"
 #include "apertura/runtime/asset/texels.h"
+#include "apertura/sh/packing.h"
 #include "apertura/sh/shading.h"
 
 namespace apertura {
@@ -157,6 +159,29 @@ void forSamples(const Asset& asset, const GeometryPart& part, const UseSample& u
             }
         }
     }
+}
+
+std::vector<glm::uvec2> bouncesOf(const Asset& asset, const GeometryPart& part) {
+    std::vector<glm::uvec2> out;
+    if (!hasBounces(asset)) return {glm::uvec2(0)};
+    out.reserve(part.vertices + part.moreSamples);
+    const auto add = [&](const AperturaBounce& bounce) {
+        const PackedBounce packed = pack(bounce);
+        glm::uvec2 words(0);
+        for (size_t c = 0; c < 3; ++c) {
+            words.x |= uint32_t(packed.share[c]) << (8 * c);
+            words.y |= uint32_t(uint8_t(packed.towards[c])) << (8 * c);
+        }
+        out.push_back(words);
+    };
+    for (const GeometryPiece& piece : part.pieces)
+        for (const uint32_t v : piece.vertices) add(asset.seen[size_t(piece.instance)].bounces[v]);
+    for (const GeometryPiece& piece : part.pieces) {
+        const SeenOnFaces& faces = asset.seen[size_t(piece.instance)].faces;
+        for (size_t t = piece.firstTriangle; t < piece.firstTriangle + piece.triangles(); ++t)
+            for (size_t k = 0; k < samplesOn(faces, t); ++k) add(faces.bounces[faces.first[t] + k]);
+    }
+    return out;
 }
 
 }  // namespace apertura

@@ -45,4 +45,8 @@ std::vector<uint32_t> indicesOf(const Asset& asset, const GeometryPart& part, bo
 using UseSample = std::function<void(const Visibility&, const ModelParams*, const std::function<glm::vec3()>&)>;
 void forSamples(const Asset& asset, const GeometryPart& part, const UseSample& use);
 
+// What surfaces reflect to each sample, in the same order, as bytes: x: PackedBounce::share, y: its `towards`, world. One element where the
+// asset holds nothing of the kind.
+std::vector<glm::uvec2> bouncesOf(const Asset& asset, const GeometryPart& part);
+
 }  // namespace apertura

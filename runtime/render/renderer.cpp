@@ -7,6 +7,7 @@
 #include <shared_mutex>
 #include <tuple>
 
+#include "apertura/runtime/asset/bounces.h"
 #include "apertura/runtime/render/background.h"
 #include "apertura/runtime/render/batches.h"
 #include "apertura/runtime/render/draw.h"
@@ -90,7 +91,7 @@ struct Renderer::State {
     struct Part {
         GeometryPart geometry;
         std::vector<Batch> batches;
-        GpuBuffer vertices, indices, seen, paint;
+        GpuBuffer vertices, indices, seen, paint, bounces;
         std::map<int, GpuBuffer> allParams;                   // by model
         std::map<std::pair<int, int>, ModelBuffers> buffers;  // by model and floats of a lit vertex, 0: lit at pixels
 
@@ -100,7 +101,8 @@ struct Renderer::State {
               vertices(uploadStorage(gpu, verticesOf(asset, geometry))),
               indices(uploadStorage(gpu, indicesOf(asset, geometry, onFaces, onTexels), vk::BufferUsageFlagBits::eIndexBuffer)),
               seen(uploadSeen(gpu, asset, geometry)),
-              paint(uploadStorage(gpu, paintOf(asset, geometry))) {}
+              paint(uploadStorage(gpu, paintOf(asset, geometry))),
+              bounces(uploadStorage(gpu, apertura::bouncesOf(asset, geometry))) {}
         uint32_t indexCount() const { return uint32_t(3 * geometry.triangles); }
         size_t litFloatsAFrame(int floats) const { return geometry.vertices * size_t(floats); }
     };
@@ -159,8 +161,8 @@ struct Renderer::State {
     std::optional<PerFrame<AperturaFrame>> lit;  // one for each frame and part
     std::optional<Background> background;
     std::unique_ptr<ShadowMap> shadow;
-    // By model, light class, format, variantOf and whether light bounces, one for each of `kinds`.
-    std::map<std::tuple<int, int, VkFormat, int, bool>, std::vector<vk::raii::Pipeline>> pipelines;
+    // By model, light class, format, variantOf and bouncesOf, one for each of `kinds`.
+    std::map<std::tuple<int, int, VkFormat, int, int>, std::vector<vk::raii::Pipeline>> pipelines;
     std::map<std::pair<int, int>, vk::raii::Pipeline> vertexLights;  // by model and light class
 };
 
@@ -169,6 +171,13 @@ int lightClassOf(const View& view) {
     for (const AperturaLight& light : view.lights)
         out = std::min(out, aperturaIsSphere(light) ? APERTURA_LIGHTS_ANY : lightClassOf(light.cap.sinRadius));
     return out;
+}
+
+int Renderer::bouncesOf(const View& view) const {
+    if (view.bounces == 0) return APERTURA_BOUNCES_NONE;
+    if (view.around == View::Around::Own) return APERTURA_BOUNCES_OWN;
+    const bool isBaked = view.around == View::Around::Baked && !view.plain && hasBounces(state_->asset);
+    return isBaked ? APERTURA_BOUNCES_BAKED : APERTURA_BOUNCES_GIVEN;
 }
 
 Renderer::Renderer(const Gpu& gpu, const Asset& asset, int frames) : state_(std::make_unique<State>(gpu, asset, frames)) {}
@@ -199,7 +208,8 @@ const Renderer::State::ModelBuffers& Renderer::State::buffersOf(Part& part, cons
                                           {storage, vertex | shading, litVertices ? &*litVertices : &noVertices},
                                           {storage, vertex | shading, &part.seen},
                                           {storage, shading, &softNodes},
-                                          {storage, vertex, &part.paint}};
+                                          {storage, vertex, &part.paint},
+                                          {storage, vertex | shading, &part.bounces}};
     GpuBindings bindings(gpu, slots, materials.layout());
     const std::unique_lock hold(lock);
     return part.buffers.emplace(std::pair(model.id, floats), ModelBuffers{std::move(litVertices), std::move(bindings)}).first->second;
@@ -219,7 +229,7 @@ void Renderer::State::light(int frame, const View& view, VkExtent2D size, int fl
     const std::array<vec4, 3> rays = raysOf(view.camera, aspect);
     std::copy(rays.begin(), rays.end(), out.rays);
     out.albedo = vec4(view.albedo, view.plain ? 1 : 0);
-    out.around = vec4(view.plain ? view.albedo : view.around, view.aroundAsSelf ? 1 : 0);
+    out.around = vec4(max(1.0f - (view.plain ? view.albedo : view.aroundAlbedo), vec3(APERTURA_LEAST_ABSORBED)), 0);
     out.counts.x = int(lights.size());
     out.counts.z = floats;
     std::copy(lights.begin(), lights.end(), out.lights);
@@ -236,7 +246,7 @@ LightAt Renderer::betterLightAt(const Model& model, double pixels) const {
                                                                                                              : LightAt::Pixels;
 }
 
-void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights, bool bounces) {
+void Renderer::prepare(const Model& model, int lightClass, VkFormat format, LightAt at, int mostLights, int bounces) {
     if (mostLights < 0 || mostLights > APERTURA_MAX_LIGHTS) throw Error(kTooManyLights);
     State& p = *state_;
     p.background->prepare(p.gpu, vk::Format(format));
@@ -275,7 +285,7 @@ void Renderer::record(VkCommandBuffer to, const RenderTarget& target, const View
     if (view.lights.size() > size_t(APERTURA_MAX_LIGHTS)) throw Error(kTooManyLights);
     const auto lights = int(view.lights.size());
     const auto prepared = [&](int room) {
-        return p.pipelines.find({model.id, lightClassOf(view), target.format, variantOf(at, room), view.bounces > 0});
+        return p.pipelines.find({model.id, lightClassOf(view), target.format, variantOf(at, room), bouncesOf(view)});
     };
     int room = lights;
     auto pipeline = prepared(room);
@@ -324,7 +334,7 @@ void Renderer::State::drawScene(vk::CommandBuffer commands, const RenderTarget& 
 void Renderer::prepareSky(const Sky& sky) { state_->background->setSky(state_->gpu, *state_->lit, sky); }
 
 Picture Renderer::draw(const View& view, const Model& model, LightAt at) {
-    prepare(model, lightClassOf(view), kPictureFormat, at, int(view.lights.size()), view.bounces > 0);
+    prepare(model, lightClassOf(view), kPictureFormat, at, int(view.lights.size()), bouncesOf(view));
     prepareSky(view.sky);
     return state_->picture(
         view, [&](VkCommandBuffer commands, const RenderTarget& target) { record(commands, target, view, model, state_->frames, at); });

@@ -39,10 +39,13 @@ public:
     //   format      of the target's colour
     //   mostLights  of a frame. 1 makes a faster pipeline, which serves frames of just one light; others any number. At the vertices,
     //               each light takes 4 bytes a vertex and frame
-    //   bounces     of frames whose View::bounces is above 0
+    //   bounces     APERTURA_BOUNCES_..., see bouncesOf
     // Throws Error if the asset does not hold the model, the device has too little memory, or mostLights is above APERTURA_MAX_LIGHTS.
     void prepare(const Model& model, int lightClass, VkFormat format, LightAt at = LightAt::Pixels, int mostLights = APERTURA_MAX_LIGHTS,
-                 bool bounces = false);
+                 int bounces = 0);
+
+    // Of a view of the asset, where what surfaces reflect is taken from: APERTURA_BOUNCES_...
+    int bouncesOf(const View& view) const;
 
     // Uploads the picture of a sky, unless it is there already; a sky of one radiance needs none. Throws Error if it is too large.
     void prepareSky(const Sky& sky);

@@ -26,12 +26,12 @@ double irradianceOf(const WeightedReceivers& receivers, const Model& model, cons
         visibility += weight * receiver.visibility;
     }
     for (const AperturaLight& light : lights) brightest = max(brightest, light.radiance);
-    const vec3 sky = sum.sky * aperturaSkyThrough(model.id, receivers.front().second.normal, visibility, view.sky.bands());
-    const vec3 all = aperturaSumOf(sum, sky, vec3(brightest));
-    vec3 bounced(0);
-    if (view.bounces > 0)
-        bounced = aperturaBounced(aperturaBounceAround(sum.sky, visibility, albedo), view.sky.bands(), lights.data(), int(lights.size()));
-    return double(all.r + all.g + all.b + bounced.r + bounced.g + bounced.b) / 3;
+    const vec3 mean = aperturaSkyThrough(model.id, receivers.front().second.normal, visibility, view.sky.bands());
+    AperturaBounce bounce{vec3(0), vec3(0)};
+    if (view.bounces > 0) bounce = aperturaBounceAround(sum.sky, visibility, max(1.0f - albedo, vec3(APERTURA_LEAST_ABSORBED)));
+    const vec3 all = aperturaSumOf(sum, aperturaSkyBounced(sum.sky, mean, bounce), vec3(brightest))
+                   + aperturaBouncedLights(bounce, lights.data(), int(lights.size()), lightClass);
+    return double(all.r + all.g + all.b) / 3;
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ std::optional<ProbeResult> Probe::at(const View& view, const glm::vec3& ray, con
         }
     // As scene.frag has it.
     const glm::vec3 own(albedoAt(asset_.scene, *hit, {view.albedo, view.plain}));
-    const glm::vec3 around = view.aroundAsSelf ? own : view.plain ? view.albedo : view.around;
+    const glm::vec3 around = view.around == View::Around::Own ? own : view.plain ? view.albedo : view.aroundAlbedo;
     const Model* const stored = storedModel(asset_.info);
     for (const Model& each : models()) {
         if (!each.fromVisibility && &each != stored) continue;

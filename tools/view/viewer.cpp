@@ -78,7 +78,7 @@ View Viewer::currentView() const {
 Wanted Viewer::wantedFor(const Model* model, const View& view) const {
     if (!model) return {};
     const double pixels = double(view.width) * view.height * 4;
-    return {model, lightClassOf(view), renderer_.betterLightAt(*model, pixels), view.lights.size() == 1 ? 1 : 2, view.bounces > 0};
+    return {model, lightClassOf(view), renderer_.betterLightAt(*model, pixels), view.lights.size() == 1 ? 1 : 2, renderer_.bouncesOf(view)};
 }
 
 void Viewer::message(const std::string& text) {

@@ -25,7 +25,7 @@ struct Wanted {
     int lightClass = APERTURA_LIGHTS_SUN;
     LightAt at = LightAt::Pixels;
     int lights = 1;  // 1, or any number
-    bool bounces = false;
+    int bounces = APERTURA_BOUNCES_NONE;
     bool operator==(const Wanted&) const = default;
     bool operator<(const Wanted& other) const {
         return std::tie(model, lightClass, at, lights, bounces)

@@ -1,0 +1,97 @@
+#include "apertura/bake/measure/bounces.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace apertura {
+namespace {
+
+using std::numbers::pi;
+
+// Sums what comes along the paths of a receiver that meet a surface.
+struct Visitor {
+    const Tracer& tracer;
+    std::span<const glm::vec3> lights;
+    std::vector<glm::dvec3> fromLights;
+    glm::dvec3 fromSky{0};
+    int met = 0;
+    std::vector<uint8_t> blocked;
+
+    bool ends(const glm::dvec3&, const glm::vec3&, float) const { return false; }
+    bool reflects(const Hit&, const SurfacePoint& point, const glm::vec3& throughput) {
+        ++met;
+        blocked.resize(lights.size());
+        tracer.occluded(rayOrigin(tracer, point), lights, kNoLimit, blocked.data());
+        for (size_t k = 0; k < lights.size(); ++k)
+            if (const float cosine = glm::dot(lights[k], point.normal); cosine > 0 && !blocked[k])
+                fromLights[k] += double(cosine) * glm::dvec3(throughput);
+        return true;
+    }
+    void escapes(const glm::vec3&, const glm::vec3& throughput) {
+        if (met > 0) fromSky += throughput;
+    }
+};
+
+}  // namespace
+
+std::vector<glm::vec3> bounceLights() {
+    std::vector<glm::vec3> out;
+    for (const glm::vec3& w : fibonacciHemisphere(64)) out.emplace_back(w.x, w.z, -w.y);
+    return out;
+}
+
+std::vector<BounceTruth> traceBounces(const Tracer& tracer, std::span<const SurfacePoint> points, const Albedo& albedo, int bounces,
+                                      int rays, uint32_t seed, const Progress& progress) {
+    std::vector<BounceTruth> out(points.size());
+    const std::vector<glm::vec3> lights = bounceLights(), cosines = fibonacciCosine(rays), even = fibonacciHemisphere(4096);
+    ProgressCounter counter(progress, points.size());
+    tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
+        if (counter.stopped()) return;
+        const glm::mat3 frame = frameFromZ(points[i].normal, 2 * pi * hashUnit(seed, i, 31));
+        const glm::dvec3 origin = rayOrigin(tracer, points[i]);
+        BounceTruth& truth = out[i];
+        std::vector<glm::vec3> turned;
+        for (const glm::vec3& w : even) turned.push_back(frame * w);
+        std::vector<uint8_t> blocked(turned.size());
+        tracer.occluded(origin, turned, kNoLimit, blocked.data());
+        const auto each = float(2 * pi / double(turned.size()));
+        for (size_t k = 0; k < turned.size(); ++k)
+            if (!blocked[k]) truth.visibility.direction += each * turned[k], truth.visibility.area += each;
+        truth.open = std::max(glm::dot(truth.visibility.direction, points[i].normal), 0.0f) / float(pi);
+        Visitor visitor{tracer, lights, std::vector<glm::dvec3>(lights.size(), glm::dvec3(0))};
+        for (size_t k = 0; k < cosines.size(); ++k) {
+            visitor.met = 0;
+            followPath(tracer, albedo, origin, frame * cosines[k], bounces, seed, i * cosines.size() + k, visitor);
+        }
+        truth.sky = truth.open + glm::vec3(visitor.fromSky / double(cosines.size()));
+        for (const glm::dvec3& sum : visitor.fromLights) truth.lights.emplace_back(sum / double(cosines.size()));
+        counter.add(1);
+    });
+    counter.throwIfStopped();
+    return out;
+}
+
+BounceRow bounceRow(const std::string& by, std::span<const BounceTruth> truth, std::span<const AperturaBounce> made) {
+    BounceRow row{by};
+    const std::vector<glm::vec3> lights = bounceLights();
+    double skies = 0, all = 0;
+    for (size_t i = 0; i < truth.size(); ++i) {
+        const glm::dvec3 off = glm::vec3(truth[i].open) + made[i].share - truth[i].sky;
+        row.sky += glm::dot(off, off);
+        row.skyBias += off.x + off.y + off.z;
+        skies += 3;
+        for (size_t k = 0; k < lights.size(); ++k) {
+            const AperturaCapLight light = aperturaCapLight(lights[k], 0.0047f);
+            const glm::dvec3 error = aperturaBouncedLight(made[i], light) / light.area - truth[i].lights[k];
+            row.light += glm::dot(error, error);
+            row.lightBias += error.x + error.y + error.z;
+            all += 3;
+        }
+    }
+    row.sky = std::sqrt(row.sky / std::max(skies, 1.0)), row.skyBias /= std::max(skies, 1.0);
+    row.light = std::sqrt(row.light / std::max(all, 1.0)), row.lightBias /= std::max(all, 1.0);
+    return row;
+}
+
+}  // namespace apertura
