@@ -153,9 +153,8 @@ void run(const Arguments& a) {
             report.samples, little(report.error).c_str(), little(report.skyError).c_str(), report.tolerance, report.skyTolerance,
             double(report.rays + vertices * size_t(a.bake.rays)) / (double(vertices + report.samples) * a.bake.rays));
     if (bounced.passes > 0)
-        std::printf(
-            "  surfaces reflect %.3g of a sky of one radiance on average; %d bounces followed, the last of which adds %.2g (RMS)\n",
-            bounced.mean, bounced.passes, bounced.left);
+        std::printf("  surfaces reflect %.3g of a sky of one radiance on average; %d bounces followed, the last of which adds %.2g (RMS)\n",
+                    bounced.mean, bounced.passes, bounced.left);
     if (texels.images > 0) {
         std::printf("  %zu %s%s of %zu texels, of which %.3g %% are drawn\n", texels.images, texels.images == 1 ? "image" : "images",
                     a.bake.as == As::BentNormals ? " of bent normals, and as many of occlusion," : "", texels.texels,

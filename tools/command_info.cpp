@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apertura/runtime/asset/asset.h"
+#include "apertura/runtime/asset/bounces.h"
 #include "apertura/runtime/asset/params_stream.h"
 #include "apertura/runtime/asset/texels.h"
 #include "apertura/sh/packing.h"
@@ -102,6 +103,7 @@ nlohmann::ordered_json describe(const std::string& file) {
                                  {"direction", error.direction},
                                  {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / std::numbers::pi},
                                  {"radius_degrees", error.radius * 180 / std::numbers::pi}}}};
+    if (hasBounces(asset)) out["bounce"] = asset.info.bounce, out["bounce_bytes"] = bytesOfBounces(asset);
     if (asset.info.model == "auto") out["auto"] = describeChoices(asset);
     if (!asset.scene.notes.empty()) out["notes"] = asset.scene.notes;
     return out;
@@ -139,6 +141,10 @@ void print(const nlohmann::ordered_json& d) {
         if (images.size() > kImagesShown) std::printf(" and %zu more", images.size() - kImagesShown);
         std::printf(" texels; %zu bytes as PNG\n", d["image_bytes"].get<size_t>());
     }
+    if (d.contains("bounce"))
+        std::printf("  bounces       what surfaces reflect, by %s; %zu bytes more\n",
+                    text("bounce") == "materials" ? "their materials" : ("an albedo of " + text("bounce")).c_str(),
+                    d["bounce_bytes"].get<size_t>());
     if (d["bent_normals"].get<int>() > 0)
         std::printf("  for engines   bent normals and occlusion of %d instances, an image of each\n", d["bent_normals"].get<int>());
     if (d.contains("notes"))

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "apertura/bake/fit/bake.h"
+#include "apertura/bake/measure/bounces.h"
 #include "apertura/bake/measure/fuzz.h"
 #include "apertura/bake/measure/scene_steps.h"
 #include "apertura/bake/measure/seams.h"
@@ -129,6 +130,16 @@ std::string countsCsv(const std::vector<ModelReport>& reports) {
     return out.str();
 }
 
+std::string bouncesCsv() {
+    std::ostringstream out;
+    out.precision(6);
+    out << "sweep,albedo_or_share,frames,not_finite,outside,steepest\n";
+    for (const BounceSweep& s : bounceSweeps())
+        out << inQuotes(s.name) << ',' << s.albedo << ',' << s.frames << ',' << s.notFinite << ',' << s.outside << ',' << s.steepest
+            << '\n';
+    return out.str();
+}
+
 void print(const std::vector<ModelReport>& reports) {
     std::printf("%-11s %10s %8s   %6s %-52s %6s   %6s   %6s\n", "model", "not finite", "outside", "error", "in the sweep", "step", "scenes",
                 "half");
@@ -235,6 +246,7 @@ void run(const Arguments& a) {
     writeTextFile(a.out + "/mixing.csv", mixingCsv(mixing));
     writeTextFile(a.out + "/half.csv", halfCsv(halves));
     writeTextFile(a.out + "/seams.csv", seamsCsv(seams));
+    writeTextFile(a.out + "/bounces.csv", bouncesCsv());
     print(reports);
     drawCharts(script, a.out, "the tables are there, the charts are not");
 }
@@ -245,7 +257,8 @@ void addStabilityCommand(CLI::App& program) {
     auto a = std::make_shared<Arguments>();
     CLI::App& command = *program.add_subcommand("stability", "where each model breaks: singular configurations, hostile numbers, flashes");
     command.footer(
-        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv, decode.csv, mixing.csv, half.csv, seams.csv and charts of them. What was "
+        "Leaves sweeps.csv, scenes.csv, map.csv, counts.csv, decode.csv, mixing.csv, half.csv, seams.csv, bounces.csv and charts of them. "
+        "What was "
         "published, and "
         "the rivals, are marked as\n"
         "baselines: they stay as they are.\n"

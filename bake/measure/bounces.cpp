@@ -94,4 +94,51 @@ BounceRow bounceRow(const std::string& by, std::span<const BounceTruth> truth, s
     return row;
 }
 
+std::vector<BounceSweep> bounceSweeps() {
+    constexpr int kFrames = 4001;
+    std::vector<BounceSweep> out;
+    const auto count = [](BounceSweep& sweep, double value, double least, double most) {
+        ++sweep.frames;
+        if (!std::isfinite(value)) ++sweep.notFinite;
+        if (value < least - 1e-6 || value > most + 1e-6) ++sweep.outside;
+    };
+    for (const double albedo : {0.0, 0.5, 0.8, 0.95, 0.99, 1.0, 1.5}) {
+        const auto around = [&](float sky, const vec4& visibility) {
+            return aperturaBounceAround(sky, visibility, max(vec3(float(1 - albedo)), vec3(APERTURA_LEAST_ABSORBED)));
+        };
+        BounceSweep closing{"an opening closes", albedo}, closed{"a closed room", albedo};
+        double before = 0, width = 0;
+        for (int i = 0; i < kFrames; ++i) {
+            // Evenly at first, and by ever smaller steps at last, to nothing.
+            const double t = double(i) / (kFrames - 1), open = t < 0.5 ? 1 - 2 * t + 1e-3 : t < 1 ? std::pow(10, -3 - 80 * (t - 0.5)) : 0;
+            const auto sky = float(pi * std::min(open, 1.0));
+            const double whole = double(sky) / pi + double(around(sky, {0, sky, 0, 2 * sky}).share.x);
+            count(closing, whole, std::min(open, 1.0), 1);
+            if (i > 0 && width - open > 1e-9) closing.steepest = std::max(closing.steepest, std::abs(whole - before) / (width - open));
+            before = whole, width = open;
+        }
+        const AperturaBounce none = around(0, vec4(0));
+        count(closed, double(none.share.x), 0, 0);
+        count(closed, double(aperturaBouncedLight(none, aperturaCapLight(vec3(0, 1, 0), 0.0047f)).x), 0, 0);
+        out.push_back(closing);
+        out.push_back(closed);
+    }
+    for (const double share : {0.1, 0.5, 1.0})
+        for (const double length : {0.0, 0.3, 0.6, 0.9, 0.99, 1.0, 1.5}) {
+            BounceSweep moving{"a light moves, towards " + std::to_string(length).substr(0, 4), share};
+            double before = 0;
+            for (int i = 0; i < kFrames; ++i) {
+                const double angle = pi * i / (kFrames - 1);
+                const AperturaCapLight light = aperturaCapLight(vec3(float(std::sin(angle)), float(std::cos(angle)), 0), 0.0047f);
+                const double e = double(aperturaBouncedLight({vec3(float(share)), vec3(0, float(length), 0)}, light).x)
+                               / double(light.area);
+                count(moving, e, 0, 1);
+                if (i > 0) moving.steepest = std::max(moving.steepest, std::abs(e - before) * (kFrames - 1) / pi);
+                before = e;
+            }
+            out.push_back(moving);
+        }
+    return out;
+}
+
 }  // namespace apertura

@@ -33,4 +33,16 @@ struct BounceRow {
 };
 BounceRow bounceRow(const std::string& by, std::span<const BounceTruth> truth, std::span<const AperturaBounce> made);
 
+// Where the formulas of bounce.glsl break.
+struct BounceSweep {
+    std::string name;
+    double albedo;
+    int frames = 0, notFinite = 0;
+    int outside = 0;      // less than without bounces, or more than all of the sky or of the light
+    double steepest = 0;  // an opening that closes: the change of what surfaces give of the sky, over that of the openness. A light that
+                          // moves: the change of what they give of it, of its E on what faces it, over the angle in radians
+};
+// Openings that close, closed rooms, and lights that move, with albedos from 0 to 1 and beyond.
+std::vector<BounceSweep> bounceSweeps();
+
 }  // namespace apertura
