@@ -37,7 +37,7 @@ APERTURA_FN vec3 aperturaAmbientTransfer(float open, vec3 absorbed) {
 // the opening's. The best of four over nine scenes.
 const float APERTURA_SPREAD = 0.6f;
 
-// The longest `towards` that is taken for what it is: the lobe is then five times as bright as its mean.
+// The longest `towards` that is taken for what it is: the lobe is then nineteen times as bright as its mean.
 const float APERTURA_NARROWEST = 0.9f;
 
 // By the transfer above: light enters where the opening is.

@@ -20,10 +20,10 @@ layout(location = 1) out vec3 worldNormal;
 layout(location = 2) out vec4 seen;      // D, or x: the sky's E, for models whose sky needs more; w: the first light's fraction
 layout(location = 3) out vec3 radiance;  // of the sky through the opening
 layout(location = 4) out vec4 visible[APERTURA_MAX_LIGHTS / 4];  // the other lights' fractions
-layout(location = 11) out vec3 bounceShare;
-layout(location = 12) out vec3 bounceTowards;
 layout(constant_id = 5) const int bounces = APERTURA_BOUNCES_NONE;
-layout(location = 10) out vec4 around;  // D, A, sr, for bounces
+layout(location = 10) out vec4 around;       // D, A, sr, for bounces that are not baked;
+layout(location = 11) out vec3 bounceShare;  // and those that are
+layout(location = 12) out vec3 bounceTowards;
 
 void main() {
     AperturaSceneVertex v = vertices[gl_VertexIndex];

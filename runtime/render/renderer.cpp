@@ -255,9 +255,10 @@ void Renderer::prepare(const Model& model, int lightClass, VkFormat format, Ligh
     const GpuBindings& bindings = p.parts[0].buffers.at({model.id, atVertices ? litFloats(mostLights) : 0}).bindings;
     const int variant = variantOf(at, mostLights);
     const Corners corners = cornersFor(model, p.onFaces || p.onTexels);
+    const int added = model.id == APERTURA_MODEL_UNSHADOWED ? APERTURA_BOUNCES_NONE : bounces;  // it has all of the sky already
     const auto pipeline = [&](Material::Alpha kind) {
-        const int32_t atPixels[] = {model.id, lightClass, model.slots, p.onFaces, p.onTexels, p.painted, int(kind), variant < 0, bounces},
-                      interpolated[] = {model.id, moreThanOne(mostLights), lightClass, p.painted, int(kind), bounces};
+        const int32_t atPixels[] = {model.id, lightClass, model.slots, p.onFaces, p.onTexels, p.painted, int(kind), variant < 0, added},
+                      interpolated[] = {model.id, moreThanOne(mostLights), lightClass, p.painted, int(kind), added};
         DrawShaders shaders = atVertices ? DrawShaders{lit_vert, lit_frag, interpolated}
                                          : DrawShaders{sceneVertex(corners), sceneFragment(corners, variant < 0), atPixels};
         shaders.blends = kind == Material::Alpha::Blend;
