@@ -95,7 +95,7 @@ APERTURA_FN vec3 aperturaSkyBounced(float sky, vec3 mean, AperturaBounce bounce)
 }
 
 // What surfaces reflect of the frame's first lights, those at infinity, rgb, W/m2. What a lamp gives to surfaces near it depends on where
-// they are, which nothing stored says.
+// they are, which nothing stored says. Lights that hide each other are all reflected.
 APERTURA_FN vec3 aperturaBouncedLights(AperturaBounce bounce, APERTURA_LIGHT_LIST lights, int count, int lightClass) {
     vec3 sum = vec3(0.0f);
     for (int i = 0; i < count; ++i) {

@@ -98,7 +98,7 @@ void run(const Arguments& a) {
     BounceReport bounced;
     if (a.bounce) {
         loadTextures(scene, TexturesFor::Pictures);
-        info.bounce = a.albedo.empty() ? "materials" : a.albedo;
+        info.bounce = !a.albedo.empty() ? a.albedo : scene.materials.empty() ? "0.8" : "materials";
     }
     {
         ProgressBar bar("baking");
@@ -153,8 +153,10 @@ void run(const Arguments& a) {
             report.samples, little(report.error).c_str(), little(report.skyError).c_str(), report.tolerance, report.skyTolerance,
             double(report.rays + vertices * size_t(a.bake.rays)) / (double(vertices + report.samples) * a.bake.rays));
     if (bounced.passes > 0)
-        std::printf("  surfaces reflect %.3g of a sky of one radiance on average; %d bounces followed, the last of which adds %.2g (RMS)\n",
-                    bounced.mean, bounced.passes, bounced.left);
+        std::printf(
+            "  surfaces reflect %.3g of a sky of one radiance on average; %d bounces followed; all further ones, estimated, add %.2g "
+            "(RMS)\n",
+            bounced.mean, bounced.passes, bounced.left);
     if (texels.images > 0) {
         std::printf("  %zu %s%s of %zu texels, of which %.3g %% are drawn\n", texels.images, texels.images == 1 ? "image" : "images",
                     a.bake.as == As::BentNormals ? " of bent normals, and as many of occlusion," : "", texels.texels,
@@ -257,7 +259,8 @@ void addBakeCommand(CLI::App& program) {
             "the model errs; of the sky .012]")
         ->check(finiteRange(1e-6, 1e6))
         ->type_name("RMSE");
-    command.add_option("--max-bytes", a->bake.maxBytes, "that visibility may take in the file [no limit]")
+    command
+        .add_option("--max-bytes", a->bake.maxBytes, "that visibility may take in the file; what --bounce stores comes on top [no limit]")
         ->check(finiteRange(1, 1e12))
         ->type_name("N");
     command.add_flag("--bounce", a->bounce,
@@ -294,6 +297,7 @@ void addBakeCommand(CLI::App& program) {
         if (!a->albedo.empty() && !albedoIn(a->albedo))
             throw CLI::ValidationError("--albedo: '" + a->albedo + "' is neither A nor R,G,B, each from 0 to 1");
         if (!a->albedo.empty() && !a->bounce) throw CLI::ValidationError("--albedo is for --bounce");
+        if (a->bounce && a->bake.maxDistance > 0) throw CLI::ValidationError("--bounce: light comes from beyond --max-distance, too");
         if (a->bounce && a->at == "texels")
             throw CLI::ValidationError("--bounce is for --at vertices and faces: images hold visibility alone");
         if (command.count("--texels") > 0 && a->at != "texels") throw CLI::ValidationError("--texels is for --at texels");

@@ -4,6 +4,7 @@
 
 #include "apertura/bake/measure/appearance.h"
 #include "apertura/bake/measure/measure.h"
+#include "apertura/runtime/asset/bounces.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/materials.h"
@@ -118,7 +119,10 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     if (bounces) {
         std::printf(
             "ambient, bounced: of a sky of one radiance whose light bounces, without what surfaces reflect and with it\n\n"
-            "what surfaces reflect: E of that sky over pi, and E of a light at infinity, over what it gives to a surface that faces it\n"
+            "what surfaces reflect: E of that sky over pi with it, and E by way of them of any light at infinity, over what it gives to a\n"
+            "surface that faces it. none: all that is missing without them; given: by the mean albedo; baked: as the asset stores it. "
+            "What\n"
+            "comes straight is the truth here\n"
             "%-8s %10s %10s %12s %12s\n",
             "from", "sky rmse", "sky bias", "light rmse", "light bias");
         for (const BounceRow& b : m.bounces)
@@ -153,6 +157,7 @@ void run(Arguments a) {
                     throw Error(a.scene + ": does not hold the model " + std::string(model->name) + "; bake it with --model "
                                 + std::string(model->name));
             notes = asset.scene.notes;
+            if (const auto baked = bakedAlbedo(asset.info); baked && a.albedo.empty()) a.measure.albedo = {*baked, true};
             result = measureAsset(asset, a.measure, bar.callback());
         } else {
             notes = scene.notes;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "apertura/bake/measure/reference.h"
+#include "apertura/runtime/asset/bounces.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/materials.h"
@@ -19,7 +20,7 @@ struct Arguments {
     ViewOptions view;
     Film film;
     uint32_t seed = 1;
-    int threads = 0;
+    int threads = 0, paths = 16;
     HeightMapOptions map;
 };
 
@@ -48,7 +49,9 @@ void run(const Arguments& a) {
     Scene scene = loadScene(a.file, a.map);
     if (!a.view.plain) loadTextures(scene, TexturesFor::Pictures);
     std::vector<std::string> notes = scene.notes, viewNotes;
-    const View view = a.view.viewOf(scene, viewNotes);
+    View view = a.view.viewOf(scene, viewNotes);
+    if (view.bounces > 0 && a.model != "reference" && std::any_of(view.lights.begin(), view.lights.end(), aperturaIsSphere))
+        viewNotes.push_back("light of lamps does not bounce in models; --model reference follows it");
     if (a.model == "shadow-map" && (view.lights.size() != 1 || a.view.noSun))
         throw Error("a shadow map is drawn of the sun alone: leave out --lights, --punctual-radius and --no-sun");
     std::optional<Asset> asset;
@@ -59,6 +62,8 @@ void run(const Arguments& a) {
     if (model || own || a.model == "shadow-map") {
         asset = toAsset(std::move(scene));
         notes = asset->scene.notes;
+        // What was baked without materials belongs to surfaces of one albedo.
+        if (const auto baked = bakedAlbedo(asset->info); baked && !view.plain) view.albedo = *baked;
         if (own) model = storedModel(asset->info);
         if (own && !model) model = findModel("soft");
         if (a.lightAt == "vertices" && hasSamplesOnFaces(*asset))
@@ -81,6 +86,7 @@ void run(const Arguments& a) {
             ReferenceOptions options;
             options.seed = a.seed;
             options.threads = a.threads;
+            options.paths = a.paths;
             return traceReference(*tracer, each, options, a.film.frames > 0 ? [](double) { return !interrupted(); } : bar.callback());
         };
     }
@@ -132,6 +138,9 @@ void addRenderCommand(CLI::App& program) {
     command.add_option("--sun-path", a->film.sunPath, "where the sun goes meanwhile, through two points or more, degrees")
         ->type_name("AZ,EL:AZ,EL");
     command.add_option("--rate", a->film.rate, "frames a second of a film [24]")->check(finiteRange(0.1, 240.0))->type_name("F");
+    command.add_option("--paths", a->paths, "of the reference's, with --bounces: of each of a pixel's 4 samples [16]")
+        ->check(CLI::Range(1, 65536))
+        ->type_name("N");
     command.add_option("--seed", a->seed, "of the reference's rays [1]")->type_name("S");
     command.add_option("--threads", a->threads, "for the reference [all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     addHeightMapOptions(command, a->map);

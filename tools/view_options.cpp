@@ -129,6 +129,8 @@ void ViewOptions::check() const {
     if (!albedo.empty() && plain) throw CLI::ValidationError("--albedo and --plain: one of them");
     if (!around.empty() && around != "mean" && around != "own" && !albedoIn(around))
         throw CLI::ValidationError("--around: '" + around + "' is neither mean, own, A nor R,G,B, each from 0 to 1");
+    if (!around.empty() && (plain || !albedo.empty()))
+        throw CLI::ValidationError("--around: with --plain and --albedo all surfaces have one albedo");
     if (!around.empty() && bounces == 0) throw CLI::ValidationError("--around is for light that bounces: give --bounces, too");
     cameraIn(camera, {});
 }

@@ -19,8 +19,9 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr int kMostPasses = 16;
-constexpr double kLittle = 0.002;    // RMS of the shares: when no further bounce is sought
+constexpr int kMostPasses = 24;
+constexpr double kLittle = 0.002;    // RMS of the shares, of all further bounces: when none is sought
+constexpr double kMostRatio = 0.98;  // of a bounce to the one before it, that is believed
 constexpr int kFewRays = 4;          // of the last pass's rays, one in so many finds what the passes before it need
 constexpr int kMostReflections = 8;  // of a path that meets backs of surfaces, of which nothing is stored
 constexpr float kInside = 0.12f;     // how far a sample on a face looks from inside its triangle, of the way to its middle or of a cell
@@ -55,24 +56,33 @@ public:
         std::vector<AperturaBounce> now(points_.size(), {glm::vec3(0), glm::vec3(0)});
         BounceReport report;
         const int few = std::max(options_.rays / kFewRays, 1);
-        // Each bounce is weaker than the one before. All passes but the last trace the same rays.
-        bool isLast = false;
-        while (!isLast) {
-            isLast = report.passes + 1 == kMostPasses || (report.passes > 0 && report.left < kLittle);
-            const double start = isLast ? 0.5 : 0.1 + 0.4 * report.passes / kMostPasses;
-            const int rays = isLast ? options_.rays : few;
-            std::vector<AperturaBounce> next = gather(now, rays, part(progress, start, isLast ? 1 : start + 0.4 / kMostPasses));
+        // Each bounce is weaker than the one before, in the end by the same factor: what is left after the last is known. All passes but
+        // the last one trace the same rays.
+        double last = 0, ratio = 0;
+        do {
+            const double start = 0.1 + 0.4 * report.passes / kMostPasses;
+            std::vector<AperturaBounce> next = gather(now, few, part(progress, start, start + 0.4 / kMostPasses));
             fillBuried(next);
             double change = 0;
             for (size_t k = 0; k < next.size(); ++k) {
                 const glm::dvec3 more = next[k].share - now[k].share;
                 change += glm::dot(more, more) / 3;
             }
-            if (!isLast) report.left = std::sqrt(change / double(std::max<size_t>(next.size(), 1)));
-            report.rays += next.size() * size_t(rays);
+            change = std::sqrt(change / double(std::max<size_t>(next.size(), 1)));
+            ratio = last > 0 ? std::min(change / last, kMostRatio) : 0;
+            last = change;
+            report.left = report.passes > 0 ? change * ratio / (1 - ratio) : change;
+            report.rays += next.size() * size_t(few);
             ++report.passes;
+            if (report.left < kLittle || report.passes == kMostPasses)
+                for (size_t k = 0; k < next.size(); ++k)
+                    next[k].share = glm::min(next[k].share + float(ratio / (1 - ratio)) * (next[k].share - now[k].share), 1.0f);
             now = std::move(next);
-        }
+        } while (report.left >= kLittle && report.passes < kMostPasses);
+        now = gather(now, options_.rays, part(progress, 0.5, 1));
+        fillBuried(now);
+        report.rays += now.size() * size_t(options_.rays);
+        ++report.passes;
         for (const AperturaBounce& b : now) report.mean += double(b.share.x + b.share.y + b.share.z) / 3 / double(now.size());
         store(now);
         return report;

@@ -152,7 +152,7 @@ std::vector<BounceRow> traceLitBounces(LitReceivers& lit, const Tracer& tracer, 
     std::vector<AperturaBounce> none(points.size(), {glm::vec3(0), glm::vec3(0)}), given;
     for (size_t i = 0; i < points.size(); ++i) given.push_back(lit.bounceAt(i, float(pi) * lit.bounces[i].open));
     std::vector<BounceRow> out{bounceRow("none", lit.bounces, none), bounceRow("given", lit.bounces, given)};
-    if (!asset || !hasBounces(*asset) || options.albedo.isPlain) return out;
+    if (!asset || !hasBounces(*asset) || (options.albedo.isPlain && bakedAlbedo(asset->info) != options.albedo.plain)) return out;
     for (const SurfaceSample& p : lit.points) lit.baked.push_back(bounceAt(*asset, p.instance, p.triangle, p.weights));
     out.push_back(bounceRow("baked", lit.bounces, lit.baked));
     return out;

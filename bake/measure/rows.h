@@ -50,7 +50,7 @@ struct ModelReceivers {
 };
 
 // Traces the truth of light that bounces, if the options want it, and takes what is known without: from `asset`, where it stores that and
-// all surfaces have their own colours, or from the mean of what they reflect. Returns the rows of Measurement::bounces. Throws Cancelled.
+// was baked with this albedo, or from the mean of what they reflect. Returns the rows of Measurement::bounces. Throws Cancelled.
 std::vector<BounceRow> traceLitBounces(LitReceivers& lit, const Tracer& tracer, const Asset* asset, const MeasureOptions& options,
                                        const Progress& progress);
 

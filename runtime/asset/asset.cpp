@@ -139,9 +139,9 @@ void removeBaked(GltfWriter& writer) {
         json["asset"]["extras"]["apertura"].erase("forms");
         removeBentNormals(json, accessors, views);
         views.merge(removeTexels(json));
+        accessors.merge(removeBounces(json));
     }
     accessors.merge(removeFaces(json));
-    accessors.merge(removeBounces(json));
     writer.release(accessors, views);
 }
 

@@ -1,7 +1,9 @@
 #include "apertura/runtime/asset/bounces.h"
 
 #include <algorithm>
+#include <locale>
 #include <optional>
+#include <sstream>
 
 #include "apertura/runtime/asset/error.h"
 #include "apertura/sh/packing.h"
@@ -114,11 +116,14 @@ std::set<size_t> removeBounces(Json& json) {
                         primitive["attributes"].erase(found);
                     }
         }
-    for (const char* name : {kShareOnFaces, kTowardsOnFaces})
-        while (const std::optional<size_t> index = findAccessor(json, name)) {
-            json["accessors"][*index].erase("name");
-            out.insert(*index);
-        }
+    if (!json.contains("accessors")) return out;
+    for (size_t i = 0; i < json["accessors"].size(); ++i) {
+        Json& accessor = json["accessors"][i];
+        const Json name = accessor.value("name", Json());
+        if (name != kShareOnFaces && name != kTowardsOnFaces) continue;
+        accessor.erase("name");
+        out.insert(i);
+    }
     return out;
 }
 
@@ -131,6 +136,7 @@ void readBounces(Asset& asset) {
         asset.scene.notes.push_back(std::string("what its surfaces reflect ") + why + ": light that bounces is estimated from visibility");
     };
     if (asset.info.bounce.empty()) return;
+    if (hasTexels(asset)) return without("has no place in images");
     size_t samples = 0;
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
@@ -163,6 +169,29 @@ void readBounces(Asset& asset) {
 
 bool hasBounces(const Asset& asset) {
     return std::any_of(asset.seen.begin(), asset.seen.end(), [](const SeenByInstance& seen) { return !seen.bounces.empty(); });
+}
+
+std::optional<glm::vec3> bakedAlbedo(const BakeInfo& info) {
+    std::istringstream in(info.bounce);
+    in.imbue(std::locale::classic());
+    glm::vec3 out;
+    char comma = 0;
+    if (!(in >> out.x)) return std::nullopt;
+    if (in >> comma) {
+        if (!(in >> out.y >> comma >> out.z)) return std::nullopt;
+    } else {
+        out.y = out.z = out.x;
+    }
+    const auto isAlbedo = [](float a) { return a >= 0 && a <= 1; };
+    if (!isAlbedo(out.x) || !isAlbedo(out.y) || !isAlbedo(out.z)) return std::nullopt;
+    return out;
+}
+
+int bounceSourceOf(const View& view, const Asset& asset) {
+    if (view.bounces == 0) return APERTURA_BOUNCES_NONE;
+    if (view.around == View::Around::Own) return APERTURA_BOUNCES_OWN;
+    const bool isBaked = view.around == View::Around::Baked && hasBounces(asset) && (!view.plain || bakedAlbedo(asset.info) == view.albedo);
+    return isBaked ? APERTURA_BOUNCES_BAKED : APERTURA_BOUNCES_GIVEN;
 }
 
 size_t bytesOfBounces(const Asset& asset) {

@@ -3,8 +3,11 @@
 // samples on faces, found by their names, in the order of _VISIBILITY_SAMPLES.
 //   _BOUNCE, _BOUNCE_SAMPLES                  VEC3 UNSIGNED_BYTE, normalised: the square roots of the shares
 //   _BOUNCE_TOWARDS, _BOUNCE_TOWARDS_SAMPLES  VEC3 BYTE, normalised: `towards`, in the frame of the primitive's vertices
+#include <optional>
+
 #include "apertura/runtime/asset/asset.h"
 #include "apertura/runtime/asset/gltf_writer.h"
+#include "apertura/runtime/asset/view.h"
 
 namespace apertura {
 
@@ -21,6 +24,12 @@ std::set<size_t> removeBounces(Json& json);
 void readBounces(Asset& asset);
 
 bool hasBounces(const Asset& asset);
+
+// The one albedo that all surfaces had when they were baked; nothing if they had their materials' colours, or nothing is stored.
+std::optional<glm::vec3> bakedAlbedo(const BakeInfo& info);
+
+// Where a view of the asset takes from what surfaces reflect: APERTURA_BOUNCES_...
+int bounceSourceOf(const View& view, const Asset& asset);
 // Bytes that it takes in the file.
 size_t bytesOfBounces(const Asset& asset);
 

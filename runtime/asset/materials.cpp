@@ -72,8 +72,12 @@ glm::vec3 meanAlbedo(const Scene& scene, const glm::vec3& plain) {
         const Surface& surface = scene.surfaces[size_t(scene.instances[i].surface)];
         for (size_t t = 0; t < surface.triangles.size(); ++t) {
             const std::array<glm::dvec3, 3> c = cornersOf(scene, int(i), int(t));
-            const glm::vec4 base = baseColourAt(scene, surface, t, glm::vec3(1 / 3.0f));
-            const double own = glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) * double(base.a);
+            // A triangle is as large as a texel of the mip that is read.
+            const auto& corners = surface.triangles[t];
+            const glm::vec3 p = surface.positions[corners[0]];
+            const float size = std::sqrt(glm::length(glm::cross(surface.positions[corners[1]] - p, surface.positions[corners[2]] - p)));
+            const glm::vec4 base = baseColourAt(scene, surface, t, glm::vec3(1 / 3.0f), size);
+            const double own = glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) * glm::clamp(double(base.a), 0.0, 1.0);
             if (!(own > 0)) continue;
             sum += own * glm::dvec3(glm::clamp(glm::vec3(base), 0.0f, 1.0f));
             area += own;

@@ -30,8 +30,8 @@ void loadTextures(Scene& scene, TexturesFor use);
 glm::vec4 baseColourAt(const Scene& scene, const Surface& surface, size_t triangle, const glm::vec3& barycentrics, float spread = 0);
 glm::vec3 emissionAt(const Scene& scene, const Surface& surface, size_t triangle, const glm::vec3& barycentrics, float spread = 0);
 
-// The mean base colour of a scene's surfaces by their area, rgb, 0..1, from the middle of each triangle; `plain` if it has no materials or
-// no area.
+// The mean base colour of a scene's surfaces by their area, rgb, 0..1, from a texel of its size in the middle of each triangle; `plain` if
+// it has no materials or no area.
 glm::vec3 meanAlbedo(const Scene& scene, const glm::vec3& plain);
 
 // The material of a surface; one of its own kind where a file with materials has none for it.

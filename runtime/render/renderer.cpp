@@ -173,12 +173,7 @@ int lightClassOf(const View& view) {
     return out;
 }
 
-int Renderer::bouncesOf(const View& view) const {
-    if (view.bounces == 0) return APERTURA_BOUNCES_NONE;
-    if (view.around == View::Around::Own) return APERTURA_BOUNCES_OWN;
-    const bool isBaked = view.around == View::Around::Baked && !view.plain && hasBounces(state_->asset);
-    return isBaked ? APERTURA_BOUNCES_BAKED : APERTURA_BOUNCES_GIVEN;
-}
+int Renderer::bouncesOf(const View& view) const { return bounceSourceOf(view, state_->asset); }
 
 Renderer::Renderer(const Gpu& gpu, const Asset& asset, int frames) : state_(std::make_unique<State>(gpu, asset, frames)) {}
 

@@ -6,13 +6,14 @@
 #include "apertura/bake/measure/reference.h"
 #include "apertura/bake/sampling/paths.h"
 #include "apertura/bake/sampling/vertices.h"
+#include "apertura/runtime/asset/bounces.h"
 
 namespace apertura {
 namespace {
 
 // What a model gives at the point, W/m2.
 double irradianceOf(const WeightedReceivers& receivers, const Model& model, const View& view, const glm::vec3& position,
-                    const glm::vec3& albedo) {
+                    const glm::vec3& albedo, const std::optional<AperturaBounce>& baked) {
     const std::vector<AperturaLight> lights = arrangedLights(view);
     const int lightClass = APERTURA_LIGHTS_ANY;
     AperturaIrradiance sum{vec3(0), vec3(0), 0};
@@ -28,7 +29,10 @@ double irradianceOf(const WeightedReceivers& receivers, const Model& model, cons
     for (const AperturaLight& light : lights) brightest = max(brightest, light.radiance);
     const vec3 mean = aperturaSkyThrough(model.id, receivers.front().second.normal, visibility, view.sky.bands());
     AperturaBounce bounce{vec3(0), vec3(0)};
-    if (view.bounces > 0) bounce = aperturaBounceAround(sum.sky, visibility, max(1.0f - albedo, vec3(APERTURA_LEAST_ABSORBED)));
+    if (baked)
+        bounce = *baked;
+    else if (view.bounces > 0)
+        bounce = aperturaBounceAround(sum.sky, visibility, max(1.0f - albedo, vec3(APERTURA_LEAST_ABSORBED)));
     const vec3 all = aperturaSumOf(sum, aperturaSkyBounced(sum.sky, mean, bounce), vec3(brightest))
                    + aperturaBouncedLights(bounce, lights.data(), int(lights.size()), lightClass);
     return double(all.r + all.g + all.b) / 3;
@@ -71,13 +75,15 @@ std::optional<ProbeResult> Probe::at(const View& view, const glm::vec3& ray, con
     // As scene.frag has it.
     const glm::vec3 own(albedoAt(asset_.scene, *hit, {view.albedo, view.plain}));
     const glm::vec3 around = view.around == View::Around::Own ? own : view.plain ? view.albedo : view.aroundAlbedo;
+    std::optional<AperturaBounce> baked;
+    if (bounceSourceOf(view, asset_) == APERTURA_BOUNCES_BAKED) baked = bounceAt(asset_, hit->instance, hit->triangle, hit->barycentrics);
     const Model* const stored = storedModel(asset_.info);
     for (const Model& each : models()) {
         if (!each.fromVisibility && &each != stored) continue;
         const WeightedReceivers receivers = receiverAt(asset_, each, hit->instance, hit->triangle, hit->barycentrics, out.normal);
         if (each.id == APERTURA_MODEL_SH_L1)
             out.visibility = {vec3(receivers.front().second.visibility), receivers.front().second.visibility.w};
-        out.models.push_back({std::string(each.name), irradianceOf(receivers, each, view, out.position, around)});
+        out.models.push_back({std::string(each.name), irradianceOf(receivers, each, view, out.position, around, baked)});
     }
     const glm::vec3 truth = referenceIrradiance(tracer_, view, {hit->at.position, hit->at.normal, hit->at.longest},
                                                 {.lightRays = 1024, .skyRays = 4096, .paths = 4096, .threads = 1});

@@ -384,10 +384,10 @@ std::string Viewer::renderLine() const {
     if (o.punctualRadius > 0) add(" --punctual-radius %.9g", o.punctualRadius);
     if (o.exposure != 0) add(" --exposure %.9g", o.exposure);
     if (!o.tone.empty()) out += " --tone " + o.tone;
-    if (o.plain) out += " --plain";
+    if (o.plain && o.albedo.empty()) out += " --plain";
     if (!o.albedo.empty()) out += " --albedo " + o.albedo;
-    if (o.bounces > 0) out += " --bounces " + std::to_string(o.bounces);
-    if (o.bounces > 0 && !o.around.empty()) out += " --around " + o.around;
+    if (o.bounces > 0 && settings.models[0]) out += " --bounces " + std::to_string(o.bounces);
+    if (o.bounces > 0 && settings.models[0] && !o.around.empty() && !o.plain) out += " --around " + o.around;
     if (lampsMoved_) out += "  # lamps were moved since";
     if (!hasVisibility(asset_.scene)) out += "  # of this scene, baked: apertura bake";
     return out;
