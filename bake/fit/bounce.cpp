@@ -107,7 +107,8 @@ private:
             }
         }
         const Solids solids(scene_, tracer_);
-        ProgressCounter counter(part(progress, 0.5, 1), points_.size());
+        const Progress finding = part(progress, 0.5, 1);
+        ProgressCounter counter(finding, points_.size());
         tbb::parallel_for(tbb::blocked_range<size_t>(0, points_.size(), 64), [&](const tbb::blocked_range<size_t>& range) {
             if (counter.stopped()) return;
             for (size_t k = range.begin(); k < range.end(); ++k)
