@@ -10,7 +10,7 @@ import sys
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 # The buffers of the renderer's own shaders, which are not installed.
-RENDERER = {"scene.glsl", "lit.glsl", "vertex_params.glsl", "paint.glsl"}
+RENDERER = {"scene.glsl", "lit.glsl", "vertex_params.glsl", "paint.glsl", "stored_bounce.glsl"}
 QUALIFIERS = {"const", "highp", "mediump", "lowp", "shared", "in", "out", "inout", "flat", "uniform", "buffer", "readonly", "writeonly",
               "APERTURA_FN", "APERTURA_STD140", "static", "inline"}
 
