@@ -159,6 +159,22 @@ def mottle_chart(rows, folder):
     return True
 
 
+def bounce_chart(rows, radius, folder):
+    """What the sky errs by where its light bounces from surface to surface. False where that was not measured."""
+    table = {model: row for model, row in means(rows, radius).items() if row["ambient_unbounced"] is not None and row["ambient_bounced"] is not None}
+    if not table:
+        return False
+    order = sorted(table, key=lambda m: -table[m]["ambient_bounced"])
+    figure, axes = plt.subplots(figsize=(7.5, 1.2 + 0.24 * len(order)))
+    axes.barh(order, [table[m]["ambient_unbounced"] for m in order], color="#ddd", height=0.8, label="without what surfaces reflect")
+    axes.barh(order, [table[m]["ambient_bounced"] for m in order], color="#c55", height=0.4, label="with it, from the openness alone")
+    axes.set(xlabel="RMSE of the sky's E / π", xlim=(0, None))
+    axes.legend(fontsize=7)
+    axes.set_title("Light of the sky that bounces 8 times, from surfaces of albedo .5, mean over the scenes", fontsize=9)
+    save(figure, folder, "bounces")
+    return True
+
+
 def place_chart(places, folder):
     """What `soft` errs by where it is stored, against its bytes. False where that was not measured."""
     if not places:
@@ -244,7 +260,7 @@ def conclusions(rows, radius, tolerance=0.05):
 
 
 COLUMNS = [("numbers", "numbers", 2), ("bytes", "bytes", 2), ("rmse", "RMSE", 4), ("whole_rmse", "whole RMSE", 4), ("bias", "bias", 4), ("max", "max", 3),
-           ("ambient_rmse", "sky RMSE", 4), ("whole_ambient", "whole sky RMSE", 4), ("whole_mottle", "mottle", 4), ("whole_edge", "edge width / truth's", 1), ("leak_max", "leak max", 3), ("leak_99", "leak 99 %", 3), ("cycles_navi21", "cycles a light, RDNA2", 0), ("cycles_pixel_navi21", "a pixel, RDNA2", 0),
+           ("ambient_rmse", "sky RMSE", 4), ("ambient_unbounced", "of a sky that bounces, without", 4), ("ambient_bounced", "with bounces", 4), ("whole_ambient", "whole sky RMSE", 4), ("whole_mottle", "mottle", 4), ("whole_edge", "edge width / truth's", 1), ("leak_max", "leak max", 3), ("leak_99", "leak 99 %", 3), ("cycles_navi21", "cycles a light, RDNA2", 0), ("cycles_pixel_navi21", "a pixel, RDNA2", 0),
            ("cycles_lit_navi21", "a pixel of lit vertices, RDNA2", 0), ("cycles_polaris10", "a light, GCN4", 0), ("cycles_pixel_polaris10", "a pixel, GCN4", 0),
            ("time_ratio", "time of a light / N·L", 2), ("frame_ratio", "time of a frame / N·L", 2), ("bake_ratio", "bake / sh", 2), ("fits_per_second", "fits/s", 0)]
 
@@ -368,6 +384,8 @@ def main():
                 ("scenes", "Error by scene"), ("leaks", "Light through what blocks all of it")]
     if mottle_chart(rows, folder):
         pictures.append(("mottle", "Error from point to point where truth is even"))
+    if bounce_chart(rows, radius, folder):
+        pictures.append(("bounces", "The sky's error where light bounces"))
     places = folder / "places.csv"
     if places.exists() and place_chart(read(places), folder):
         pictures.append(("places", "Where visibility is stored: at vertices, on faces too, or in images over texture coordinates"))

@@ -269,6 +269,7 @@ void addBakeCommand(CLI::App& program) {
         .add_option("--albedo", a->albedo,
                     "with --bounce: what all surfaces reflect, in place of their materials' base colours, 0..1 [theirs; 0.8 of files "
                     "without materials]")
+        ->check(isAlbedo())
         ->type_name("A|R,G,B");
     addHeightMapOptions(command, a->map);
     const char* const group = "Height maps";
@@ -294,8 +295,6 @@ void addBakeCommand(CLI::App& program) {
     command.callback([a, &command] {
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
         if (command.count("--tolerance") > 0 && a->model != "auto") throw CLI::ValidationError("--tolerance is for --model auto");
-        if (!a->albedo.empty() && !albedoIn(a->albedo))
-            throw CLI::ValidationError("--albedo: '" + a->albedo + "' is neither A nor R,G,B, each from 0 to 1");
         if (!a->albedo.empty() && !a->bounce) throw CLI::ValidationError("--albedo is for --bounce");
         if (a->bounce && a->bake.maxDistance > 0) throw CLI::ValidationError("--bounce: light comes from beyond --max-distance, too");
         if (a->bounce && a->at == "texels")

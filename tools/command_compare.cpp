@@ -201,14 +201,13 @@ void addCompareCommand(CLI::App& program) {
         .add_option("--albedo", a->albedo,
                     "with --bounces: what all surfaces reflect, in place of their materials' base colours, 0..1 [theirs; 0.8 of files "
                     "without materials]")
+        ->check(isAlbedo())
         ->type_name("A|R,G,B");
     command.add_option("--seed", a->measure.seed, "of the receivers and the rays [1]")->type_name("S");
     command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     command.add_option("--json", a->json, "write the table here too")->type_name("OUT");
     addHeightMapOptions(command, a->map);
     command.callback([a] {
-        if (!a->albedo.empty() && !albedoIn(a->albedo))
-            throw CLI::ValidationError("--albedo: '" + a->albedo + "' is neither A nor R,G,B, each from 0 to 1");
         if (!a->albedo.empty() && a->measure.bounces == 0) throw CLI::ValidationError("--albedo is for --bounces");
         if (!a->albedo.empty()) a->measure.albedo = {*albedoIn(a->albedo), true};
         run(*a);

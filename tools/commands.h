@@ -65,4 +65,7 @@ void parsePair(const std::string& text, double& first, double& second);
 // An albedo A or R,G,B, each 0..1; nothing if the text is neither.
 std::optional<glm::vec3> albedoIn(const std::string& text);
 
+// What CLI11 says of an option of which the text is none, nor one of `words`.
+CLI::Validator isAlbedo(const std::vector<std::string>& words = {});
+
 }  // namespace apertura

@@ -135,4 +135,15 @@ std::optional<glm::vec3> albedoIn(const std::string& text) {
     return n.size() == 1 ? glm::vec3(float(n[0])) : glm::vec3(n[0], n[1], n[2]);
 }
 
+CLI::Validator isAlbedo(const std::vector<std::string>& words) {
+    return CLI::Validator(
+        [words](std::string& text) {
+            if (albedoIn(text) || std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+            std::string message = "'" + text + "' is neither ";
+            for (const std::string& word : words) message += word + ", ";
+            return message + "A nor R,G,B, each from 0 to 1";
+        },
+        "");
+}
+
 }  // namespace apertura

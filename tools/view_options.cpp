@@ -90,6 +90,7 @@ void ViewOptions::addTo(CLI::App& command) {
         .add_option(
             "--albedo", albedo,
             "what all surfaces reflect, in place of their materials' base colours, 0..1 [theirs; 0.8 of those of files without materials]")
+        ->check(isAlbedo())
         ->type_name("A|R,G,B");
     command
         .add_option("--bounces", bounces,
@@ -101,6 +102,7 @@ void ViewOptions::addTo(CLI::App& command) {
         .add_option("--around", around,
                     "what models take for the albedo of the surfaces that block the sky: the mean of the scene's, the surface's own, or "
                     "numbers, 0..1 [what was baked with --bounce, or mean]")
+        ->check(isAlbedo({"mean", "own"}))
         ->type_name("mean|own|A|R,G,B");
     command.add_option("--exposure", exposure, "stops that a .png is brightened by; an .exr holds radiance itself [0]")
         ->check(finiteRange(-64.0, 64.0))
@@ -124,11 +126,7 @@ void ViewOptions::check() const {
     if (!sky.empty() && !colourIn(sky) && !namesPicture(sky))
         throw CLI::ValidationError("--sky: '" + sky + "' is neither a colour RRGGBB nor a picture .exr or .hdr");
     if (!lights.empty() && punctualRadius > 0) throw CLI::ValidationError("--lights and --punctual-radius: one of them");
-    if (!albedo.empty() && !albedoIn(albedo))
-        throw CLI::ValidationError("--albedo: '" + albedo + "' is neither A nor R,G,B, each from 0 to 1");
     if (!albedo.empty() && plain) throw CLI::ValidationError("--albedo and --plain: one of them");
-    if (!around.empty() && around != "mean" && around != "own" && !albedoIn(around))
-        throw CLI::ValidationError("--around: '" + around + "' is neither mean, own, A nor R,G,B, each from 0 to 1");
     if (!around.empty() && (plain || !albedo.empty()))
         throw CLI::ValidationError("--around: with --plain and --albedo all surfaces have one albedo");
     if (!around.empty() && bounces == 0) throw CLI::ValidationError("--around is for light that bounces: give --bounces, too");
