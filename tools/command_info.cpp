@@ -123,8 +123,8 @@ void print(const nlohmann::ordered_json& d) {
                 d["instances"].get<size_t>());
     if (const double error = d["mesh_error"].get<double>(); error > 0)
         std::printf("                the texels of its map lie at most %.3g m above or below it\n", error);
-    std::printf("  stored        %.3g bytes a vertex, %d bits a number; %zu bytes of visibility in all\n", d["bytes_per_vertex"].get<double>(),
-                d["bits"].get<int>(), d["visibility_bytes"].get<size_t>());
+    std::printf("  stored        %.3g bytes a vertex, %d bits a number; %zu bytes of visibility in all\n",
+                d["bytes_per_vertex"].get<double>(), d["bits"].get<int>(), d["visibility_bytes"].get<size_t>());
     if (d["samples"].get<size_t>() > 0) {
         std::printf("  on faces      %zu samples, on lattices of", d["samples"].get<size_t>());
         const char* comma = " ";

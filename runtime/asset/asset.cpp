@@ -11,7 +11,8 @@
 #include "apertura/runtime/asset/file.h"
 #include "apertura/runtime/asset/gltf.h"
 #include "apertura/runtime/asset/gltf_writer.h"
-#include "apertura/runtime/asset/params_stream.h"
+#include "apertura/runtime/asset/model_numbers.h"
+#include "apertura/runtime/asset/primitive.h"
 #include "apertura/runtime/asset/texels.h"
 #include "apertura/sh/packing.h"
 
@@ -132,15 +133,13 @@ void removeBaked(GltfWriter& writer) {
                 }
         }
     if (const Json& baked = describedIn(json); baked.is_object()) {
-        for (const Json& entry : listOf(baked, "forms"))
-            if (entry.is_object() && entry.contains("bufferView") && entry["bufferView"].is_number_unsigned()
-                && entry["bufferView"] < listOf(json, "bufferViews").size())
-                views.insert(entry["bufferView"].get<size_t>());
-        json["asset"]["extras"]["apertura"].erase("forms");
         removeBentNormals(json, accessors, views);
         views.merge(removeTexels(json));
         accessors.merge(removeBounces(json));
     }
+    ReleasedNumbers numbers = removeNumbers(json);
+    accessors.merge(numbers.accessors);
+    views.merge(numbers.views);
     accessors.merge(removeFaces(json));
     writer.release(accessors, views);
 }
@@ -214,30 +213,6 @@ void separateMeshes(Json& json, const Scene& scene, const GltfDocument& document
     }
 }
 
-// The buffer view of each primitive's parameters; the key is mesh and primitive.
-std::map<std::pair<size_t, size_t>, size_t> findStreams(const Json& described) {
-    std::map<std::pair<size_t, size_t>, size_t> out;
-    const Json& allParams = listOf(described, "forms");
-    if (!allParams.is_array()) return out;
-    for (const Json& params : allParams) {
-        auto index = [&](const char* key) {
-            return params.is_object() && params.contains(key) && params[key].is_number_unsigned() ? params[key].get<size_t>() : SIZE_MAX;
-        };
-        out[{index("mesh"), index("primitive")}] = index("bufferView");
-    }
-    return out;
-}
-
-// What split vertices have: that of the vertices that they came from.
-template <typename T>
-void pick(std::vector<T>& all, const std::vector<uint32_t>& from) {
-    if (all.empty()) return;
-    std::vector<T> out;
-    out.reserve(from.size());
-    for (const uint32_t i : from) out.push_back(all[i]);
-    all = std::move(out);
-}
-
 BakeInfo readInfo(const Json& said, const std::string& name) {
     BakeInfo info;
     auto number = [&](const char* key, double fallback) {
@@ -291,13 +266,11 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     separateMeshes(json, scene, document);
 
     const Model* stored = storedModel(info);
-    Json allParams = Json::array();
     std::map<int, Json> geometry;  // by surface: its primitive, if that differs from the file's
     std::set<size_t> replaced;     // accessors
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
-        const size_t mesh = json["nodes"][size_t(instance.node)]["mesh"].get<size_t>();
-        Json& primitive = json["meshes"][mesh]["primitives"][size_t(instance.primitive)];
+        Json& primitive = json["meshes"][meshOf(json, instance)]["primitives"][size_t(instance.primitive)];
         const Surface& surface = scene.surfaces[size_t(instance.surface)];
         if (scene.document && surface.normalsMade) {
             const auto [own, fresh] = geometry.try_emplace(instance.surface);
@@ -310,11 +283,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
         const glm::mat3 rotation = rotationPart(instance.toWorld);
         primitive["attributes"][kAttribute] = addVisibility(writer, visibility[i].visibility, rotation, info.bits);
         if (!visibility[i].bounces.empty()) addBounces(writer, primitive, visibility[i].bounces, rotation);
-        if (!stored) continue;
-        const std::vector<std::byte> bytes = packAllParams(*stored, visibility[i].allParams, glm::transpose(rotation), info.bits);
-        Bytes copy(bytes.size());
-        std::transform(bytes.begin(), bytes.end(), copy.begin(), [](std::byte b) { return static_cast<unsigned char>(b); });
-        allParams.push_back({{"mesh", mesh}, {"primitive", instance.primitive}, {"bufferView", writer.addView(std::move(copy))}});
+        if (stored) addNumbers(writer, primitive, *stored, visibility[i], rotation, info.bits);
     }
     Json& asset = json["asset"];
     Json description = describe(info);
@@ -325,7 +294,8 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
         description["inputGenerator"] = asset["generator"];
     asset["generator"] = "Apertura " + info.version;
     if (asset.contains("extras") && !asset["extras"].is_object()) asset["extras"] = {{"input", asset["extras"]}};
-    if (stored) description["forms"] = allParams;
+    if (Json choices = addChoices(writer, scene, visibility, stored, info.bits); !choices.is_null())
+        description["choices"] = std::move(choices);
     if (Json faces = addFaces(writer, scene, visibility, stored, info.bits); !faces.is_null()) description["faces"] = std::move(faces);
     addBouncesOnFaces(writer, scene, visibility);
     if (Json texels = addTexels(writer, scene, visibility, info.bits); !texels.is_null()) description["texels"] = std::move(texels);
@@ -359,14 +329,10 @@ Asset toAsset(Scene scene) {
         if (asset.info.bentNormals > 0)
             scene.notes.push_back("its images are bent normals and occlusion for engines: what its vertices store is drawn and measured");
     }
-    const Model* stored = storedModel(asset.info);
-    std::map<std::pair<size_t, size_t>, size_t> streams;
-    if (stored) streams = findStreams(described);
     std::vector<std::vector<glm::vec4>> atVertices;  // of each instance, as stored
     for (const Instance& instance : scene.instances) {
-        const size_t mesh = document.json["nodes"][size_t(instance.node)]["mesh"].get<size_t>();
-        const Json& attributes = document.json["meshes"][mesh]["primitives"][size_t(instance.primitive)]["attributes"];
-        const std::string where = scene.name + ": mesh " + std::to_string(mesh);
+        const Json& attributes = primitiveOf(document, instance)["attributes"];
+        const std::string where = scene.name + ": mesh " + std::to_string(meshOf(document.json, instance));
         if (!attributes.contains(kAttribute)) throw Error(where + " holds no baked visibility");
         const size_t index = attributes[kAttribute].get<size_t>();
         const Json& accessor = document.json["accessors"][index];
@@ -385,27 +351,13 @@ Asset toAsset(Scene scene) {
             points.back().direction = rotation * points.back().direction;
         }
         asset.seen.push_back({std::move(points), {}, {}, {}});
-        SeenByInstance& seen = asset.seen.back();
-        if (stored) {
-            const auto stream = streams.find({mesh, size_t(instance.primitive)});
-            if (stream == streams.end()) throw Error(where + " holds no numbers of the model " + asset.info.model);
-            try {
-                seen.allParams = unpackAllParams(*stored, viewBytes(document, stream->second), seen.visibility.size(), rotation,
-                                                 asset.info.bits);
-            } catch (const Error& e) {
-                std::string cause = e.what();
-                if (!cause.starts_with(scene.name)) cause.insert(0, where + ": ");
-                throw Error(cause);
-            }
-        }
-        // Normals were removed from the baked file, and reading it split vertices: all parts of a vertex see the same.
-        if (surface.splitFrom.empty()) continue;
-        pick(seen.visibility, surface.splitFrom);
-        pick(seen.allParams, surface.splitFrom);
-        pick(stores, surface.splitFrom);
+        // Where normals were removed from the baked file, reading it split vertices: all parts of a vertex see the same.
+        if (!pick(asset.seen.back().visibility, surface.splitFrom) || !pick(stores, surface.splitFrom))
+            throw Error(where + ": has less visibility than vertices");
     }
     asset.scene = std::move(scene);
     readFaces(asset, described, atVertices);
+    readNumbers(asset, described, atVertices);
     readTexels(asset, described);
     readBounces(asset);
     return asset;
@@ -427,26 +379,21 @@ bool hasTexels(const Asset& asset) {
 }
 
 double bytesAPoint(const Asset& asset) {
+    size_t points = 0;
+    for (const SeenByInstance& seen : asset.seen) points += seen.visibility.size() + seen.faces.visibility.size();
     const Model* stored = storedModel(asset.info);
-    double numbers = 0, points = 0;
-    for (const SeenByInstance& seen : asset.seen) {
-        points += double(seen.visibility.size() + seen.faces.visibility.size());
-        if (!stored) continue;
-        for (const auto* all : {&seen.allParams, &seen.faces.allParams})
-            for (const ModelParams& params : *all) numbers += storedNumbers(chosenModel(*stored, params));
-    }
-    const double choice = stored && stored->kind == ModelKind::Choice ? 1 : 0;
-    return asset.info.bits / 2.0 + choice + numbers / std::max(points, 1.0) * asset.info.bits / 8;
+    double bytes = double(points) * asset.info.bits / 2;
+    for (const SeenByInstance& seen : asset.seen) bytes += double(bytesOfNumbers(stored, seen.allParams, asset.info.bits, true));
+    for (const SeenByInstance& seen : asset.seen) bytes += double(bytesOfNumbers(stored, seen.faces.allParams, asset.info.bits, false));
+    return bytes / std::max(double(points), 1.0);
 }
 
 size_t visibilityBytes(const Asset& asset) {
     const Model* stored = storedModel(asset.info);
     size_t out = bytesOfFaces(asset.scene, asset.seen, stored, asset.info.bits);
-    for (const SeenByInstance& seen : asset.seen) {
-        out += seen.visibility.size() * size_t(asset.info.bits / 2) + seen.texels.visibility.size() * size_t(seen.texels.bits / 2);
-        for (const ModelParams& params : seen.allParams)
-            out += size_t(storedNumbers(chosenModel(*stored, params)) * asset.info.bits / 8 + (stored->kind == ModelKind::Choice));
-    }
+    for (const SeenByInstance& seen : asset.seen)
+        out += seen.visibility.size() * size_t(asset.info.bits / 2) + seen.texels.visibility.size() * size_t(seen.texels.bits / 2)
+             + bytesOfNumbers(stored, seen.allParams, asset.info.bits, true);
     return out;
 }
 

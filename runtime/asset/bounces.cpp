@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "apertura/runtime/asset/error.h"
+#include "apertura/runtime/asset/primitive.h"
 #include "apertura/sh/packing.h"
 
 namespace apertura {
@@ -62,23 +63,8 @@ std::optional<std::vector<AperturaBounce>> atVertices(const GltfDocument& docume
     const auto towards = numbersOf(document, attributes[kTowards].get<size_t>(), kByte, count);
     if (!shares || !towards) return std::nullopt;
     std::vector<AperturaBounce> all = unpackAll(*shares, *towards);
-    if (!splitFrom.empty()) {
-        std::vector<AperturaBounce> split;
-        for (const uint32_t from : splitFrom) {
-            if (from >= all.size()) return std::nullopt;
-            split.push_back(all[from]);
-        }
-        all = std::move(split);
-    }
-    if (all.size() != vertices) return std::nullopt;
+    if (!pick(all, splitFrom) || all.size() != vertices) return std::nullopt;
     return all;
-}
-
-std::optional<size_t> findAccessor(const Json& json, const char* name) {
-    const Json& accessors = listOf(json, "accessors");
-    for (size_t i = 0; i < accessors.size(); ++i)
-        if (accessors[i].value("name", Json()) == name) return i;
-    return std::nullopt;
 }
 
 }  // namespace
@@ -116,14 +102,8 @@ std::set<size_t> removeBounces(Json& json) {
                         primitive["attributes"].erase(found);
                     }
         }
-    if (!json.contains("accessors")) return out;
-    for (size_t i = 0; i < json["accessors"].size(); ++i) {
-        Json& accessor = json["accessors"][i];
-        const Json name = accessor.value("name", Json());
-        if (name != kShareOnFaces && name != kTowardsOnFaces) continue;
-        accessor.erase("name");
-        out.insert(i);
-    }
+    const char* const names[] = {kShareOnFaces, kTowardsOnFaces};
+    out.merge(takeNames(json, names));
     return out;
 }
 
@@ -140,8 +120,7 @@ void readBounces(Asset& asset) {
     size_t samples = 0;
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
-        const Json& primitive = document.json["meshes"][document.json["nodes"][size_t(instance.node)]["mesh"].get<size_t>()]["primitives"]
-                                             [size_t(instance.primitive)];
+        const Json& primitive = primitiveOf(document, instance);
         SeenByInstance& seen = asset.seen[i];
         auto own = atVertices(document, primitive["attributes"], seen.visibility.size(),
                               scene.surfaces[size_t(instance.surface)].splitFrom);

@@ -1,11 +1,10 @@
 #include "apertura/runtime/asset/faces.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstdio>
-#include <map>
 #include <numeric>
 
+#include "apertura/runtime/asset/hashes.h"
+#include "apertura/runtime/asset/model_numbers.h"
 #include "apertura/runtime/asset/params_stream.h"
 #include "apertura/sh/packing.h"
 #include "apertura/sh/shading.h"
@@ -17,70 +16,14 @@ const char* const kLevels = "_VISIBILITY_LEVELS";
 const char* const kSamples = "_VISIBILITY_SAMPLES";
 const char* const kNumbers = "_VISIBILITY_NUMBERS";
 
-// FNV-1a, by words of 32 bits.
-struct Hash {
-    uint64_t value = 0xcbf29ce484222325ull;
-    void add(uint32_t word) { value = (value ^ word) * 0x100000001b3ull; }
-    void add(uint64_t words) { add(uint32_t(words)), add(uint32_t(words >> 32)); }
-    void add(const glm::vec3& place) {
-        for (int c = 0; c < 3; ++c) add(std::bit_cast<uint32_t>(place[c] + 0.0f));  // -0 is 0
-    }
-};
-
-std::string textOf(const Hash& hash) {
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash.value));
-    return text;
-}
-
-// `atVertices`: of each instance, the numbers in the file, -1..1.
-std::string hashOfTriangles(const Scene& scene, std::span<const std::vector<glm::vec4>> atVertices, int bits) {
-    const float top = bits == 16 ? 32767 : 127;
-    std::vector<uint64_t> surfaces;
-    for (const Surface& surface : scene.surfaces) {
-        Hash hash;
-        for (const auto& t : surface.triangles)
-            for (const uint32_t v : t) hash.add(surface.positions[v]);
-        surfaces.push_back(hash.value);
-    }
-    std::vector<uint64_t> instances;
-    std::map<uint64_t, int> alike;
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const auto surface = size_t(scene.instances[i].surface);
-        Hash hash;
-        hash.add(surfaces[surface]);
-        for (const auto& t : scene.surfaces[surface].triangles)
-            for (const uint32_t v : t)
-                for (int c = 0; c < 4; ++c) hash.add(uint32_t(std::lround(atVertices[i][v][c] * top)));
-        instances.push_back(hash.value);
-        ++alike[hash.value];
-    }
-    Hash hash;
-    for (size_t i = 0; i < instances.size(); ++i) {
-        hash.add(instances[i]);
-        // Nothing but their places tells these apart.
-        if (alike[instances[i]] > 1) hash.add(glm::vec3(scene.instances[i].toWorld[3]));
-    }
-    return textOf(hash);
-}
-
 // Of the levels, of the samples' numbers in the file, -1..1, and of the bytes of params_stream.h.
 std::string hashOfSamples(std::span<const unsigned char> levels, std::span<const glm::vec4> samples, std::span<const unsigned char> numbers,
                           int bits) {
-    const float top = bits == 16 ? 32767 : 127;
     Hash hash;
-    for (const unsigned char level : levels) hash.add(uint32_t(level));
-    for (const glm::vec4& sample : samples)
-        for (int c = 0; c < 4; ++c) hash.add(uint32_t(std::lround(sample[c] * top)));
-    for (const unsigned char byte : numbers) hash.add(uint32_t(byte));
-    return textOf(hash);
-}
-
-std::optional<size_t> findAccessor(const Json& json, const char* name) {
-    const Json& accessors = listOf(json, "accessors");
-    for (size_t i = 0; i < accessors.size(); ++i)
-        if (accessors[i].value("name", Json()) == name) return i;
-    return std::nullopt;
+    hash.add(levels);
+    for (const glm::vec4& sample : samples) hash.add(sample, bits);
+    hash.add(numbers);
+    return hash.text();
 }
 
 void append(Bytes& to, const auto& items) {
@@ -144,28 +87,25 @@ Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& see
         count += faces.visibility.size();
         levels.insert(levels.end(), faces.levels.begin(), faces.levels.end());
         levels.resize(levels.size() + scene.surfaces[size_t(scene.instances[i].surface)].triangles.size() - faces.levels.size());
-        const glm::mat3 toLocal = glm::transpose(rotationPart(scene.instances[i].toWorld));
-        const auto inFile = [&](const Visibility& v) {
-            const Visibility local{toLocal * v.direction, v.area};
-            return bits == 16 ? normalised(pack16(local)) : normalised(pack8(local));
-        };
-        atVertices.emplace_back();
-        for (const Visibility& v : seen[i].visibility) atVertices.back().push_back(inFile(v));
+        const glm::mat3 rotation = rotationPart(scene.instances[i].toWorld), toLocal = glm::transpose(rotation);
+        atVertices.push_back(numbersInFile(seen[i].visibility, rotation, bits));
+        const std::vector<glm::vec4> own = numbersInFile(faces.visibility, rotation, bits);
+        onFaces.insert(onFaces.end(), own.begin(), own.end());
         for (const Visibility& v : faces.visibility) {
             const Visibility local{toLocal * v.direction, v.area};
             if (bits == 16)
                 append(samples, pack16(local));
             else
                 append(samples, pack8(local));
-            onFaces.push_back(inFile(v));
         }
         if (!stored) continue;
-        const std::vector<std::byte> own = packAllParams(*stored, faces.allParams, toLocal, bits);
-        append(numbers, own);
-        lengths.push_back(own.size());
+        const std::vector<std::byte> params = packAllParams(*stored, faces.allParams, toLocal, bits);
+        append(numbers, params);
+        lengths.push_back(params.size());
     }
     if (count == 0) return {};
-    Json out{{"triangles", hashOfTriangles(scene, atVertices, bits)}, {"samples", hashOfSamples(levels, onFaces, numbers, bits)}};
+    Json out{{"triangles", hashOfPoints(scene, atVertices, bits, HashOrder::Corners)},
+             {"samples", hashOfSamples(levels, onFaces, numbers, bits)}};
     if (stored) out["numbers"] = lengths;
     const auto bytesAccessor = [&](const char* name, Bytes bytes) {
         const size_t n = bytes.size();
@@ -184,13 +124,8 @@ Json addFaces(GltfWriter& writer, const Scene& scene, const BakedVisibility& see
 }
 
 std::set<size_t> removeFaces(Json& json) {
-    std::set<size_t> out;
-    for (const char* name : {kLevels, kSamples, kNumbers})
-        while (const std::optional<size_t> index = findAccessor(json, name)) {
-            json["accessors"][*index].erase("name");
-            out.insert(*index);
-        }
-    return out;
+    const char* const names[] = {kLevels, kSamples, kNumbers};
+    return takeNames(json, names);
 }
 
 void readFaces(Asset& asset, const Json& described, std::span<const std::vector<glm::vec4>> atVertices) {
@@ -207,7 +142,7 @@ void readFaces(Asset& asset, const Json& described, std::span<const std::vector<
         return;
     }
     if (!levelsAt || !samplesAt) return withoutFaces("are gone");
-    if (said.value("triangles", Json()) != hashOfTriangles(scene, atVertices, asset.info.bits))
+    if (said.value("triangles", Json()) != hashOfPoints(scene, atVertices, asset.info.bits, HashOrder::Corners))
         return withoutFaces("belong to other triangles, or to these in another order");
 
     const auto damaged = [&](const char* how) { return Error(scene.name + ": its samples on faces " + how); };
@@ -286,8 +221,7 @@ size_t bytesOfFaces(const Scene& scene, const BakedVisibility& seen, const Model
         const SeenOnFaces& faces = instance.faces;
         withSamples += faces.levels.size() - size_t(std::count(faces.levels.begin(), faces.levels.end(), 0));
         out += faces.visibility.size() * size_t(bits / 2);
-        for (const ModelParams& params : faces.allParams)
-            out += size_t(storedNumbers(chosenModel(*stored, params)) * bits / 8 + (stored->kind == ModelKind::Choice));
+        out += bytesOfNumbers(stored, faces.allParams, bits, false);
     }
     const size_t triangles = triangleCount(scene);
     return withSamples == 0 ? 0 : out + (isSparse(triangles, withSamples) ? withSamples * kSparseBytes : triangles);

@@ -355,4 +355,21 @@ void expandInstancing(GltfDocument& document) {
     forgetExtension(document.json, name);
 }
 
+std::optional<size_t> findAccessor(const Json& json, const char* name) {
+    const Json& accessors = listOf(json, "accessors");
+    for (size_t i = 0; i < accessors.size(); ++i)
+        if (accessors[i].value("name", Json()) == name) return i;
+    return std::nullopt;
+}
+
+std::set<size_t> takeNames(Json& json, std::span<const char* const> names) {
+    std::set<size_t> out;
+    for (const char* const name : names)
+        while (const std::optional<size_t> index = findAccessor(json, name)) {
+            json["accessors"][*index].erase("name");
+            out.insert(*index);
+        }
+    return out;
+}
+
 }  // namespace apertura

@@ -75,6 +75,12 @@ std::vector<float> readAccessor(const GltfDocument& document, size_t accessor, i
 // An accessor's elements as integers. Throws Error naming the document unless they are scalars of an unsigned type.
 std::vector<uint32_t> readIndices(const GltfDocument& document, size_t accessor);
 
+// The first accessor of this name: what no object refers to is found by it, so that programs that know nothing of it leave the rest alone.
+std::optional<size_t> findAccessor(const Json& json, const char* name);
+
+// Takes the names of all accessors that are called so away, and returns their indices.
+std::set<size_t> takeNames(Json& json, std::span<const char* const> names);
+
 // A new accessor of chosen elements of another: its JSON without the place of its bytes, and the bytes, each element
 // padded to a multiple of four. `from`: the index of each element to take. Throws Error if one is out of range.
 struct GatheredAccessor {

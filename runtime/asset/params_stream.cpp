@@ -50,7 +50,7 @@ std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const uns
     std::span<const unsigned char> tags;
     const bool chosen = model.kind == ModelKind::Choice;
     if (chosen) {
-        if (bytes.size() < count) throw Error("the models' choices end too soon");
+        if (bytes.size() < count) throw Error("end too soon");
         tags = bytes.first(count);
         bytes = bytes.subspan(count);
     }
@@ -58,15 +58,15 @@ std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const uns
     float numbers[kMostNumbers];
     for (size_t i = 0; i < count; ++i) {
         const size_t tag = chosen ? tags[i] & 0x7F : 0;
-        if (chosen && tag >= autoModels().size()) throw Error("a vertex's choice is not a model");
+        if (chosen && tag >= autoModels().size()) throw Error("have a choice that is not a model");
         const Model& own = chosen ? *autoModels()[tag] : model;
         const size_t n = size_t(storedNumbers(own));
-        if (bytes.size() < n * size_t(bits / 8)) throw Error("the models' numbers end too soon");
+        if (bytes.size() < n * size_t(bits / 8)) throw Error("end too soon");
         for (size_t k = 0; k < n; ++k) numbers[k] = takeNumber(bytes, bits);
         if (n) out[i] = rotateParams(own, unpackParams(own, std::span(numbers, n)), toWorld);
         if (chosen) setChoice(out[i], own, tags[i] & 0x80);
     }
-    if (!bytes.empty()) throw Error("there are more of the models' numbers than vertices");
+    if (!bytes.empty()) throw Error("are more than vertices");
     return out;
 }
 
