@@ -17,10 +17,11 @@ static_assert(sizeof(AperturaLight) == 128);
 static_assert(offsetof(AperturaLight, cap) == 0 && offsetof(AperturaLight, sphere) == 64 && offsetof(AperturaLight, radiance) == 80
               && offsetof(AperturaLight, behind) == 96 && offsetof(AperturaLight, before) == 112);
 
-static_assert(sizeof(AperturaFrame) == 336 + 128 * APERTURA_MAX_LIGHTS);
+static_assert(sizeof(AperturaFrame) == 352 + 128 * APERTURA_MAX_LIGHTS);
 static_assert(offsetof(AperturaFrame, toClip) == 0 && offsetof(AperturaFrame, sky) == 64 && offsetof(AperturaFrame, eye) == 208);
-static_assert(offsetof(AperturaFrame, rays) == 224 && offsetof(AperturaFrame, brightest) == 272 && offsetof(AperturaFrame, albedo) == 288);
-static_assert(offsetof(AperturaFrame, around) == 304 && offsetof(AperturaFrame, counts) == 320 && offsetof(AperturaFrame, lights) == 336);
+static_assert(offsetof(AperturaFrame, background) == 224 && offsetof(AperturaFrame, rays) == 240
+              && offsetof(AperturaFrame, brightest) == 288 && offsetof(AperturaFrame, albedo) == 304);
+static_assert(offsetof(AperturaFrame, around) == 320 && offsetof(AperturaFrame, counts) == 336 && offsetof(AperturaFrame, lights) == 352);
 
 static_assert(sizeof(AperturaSceneVertex) == 32);
 static_assert(offsetof(AperturaSceneVertex, position) == 0 && offsetof(AperturaSceneVertex, normal) == 16);

@@ -265,4 +265,24 @@ ModelParams rotateParams(const Model& model, ModelParams params, const mat3& rot
     return params;
 }
 
+ParamsError paramsError(const Model& model, int bits) {
+    const double half = 0.5 / ((1 << (bits - 1)) - 1);  // of a step of a number
+    ParamsError out;
+    if (model.kind == ModelKind::Choice)
+        for (const Model* chosen : autoModels()) {
+            const ParamsError own = paramsError(*chosen, bits);
+            out = {std::max(out.axis, own.axis), std::max(out.edge, own.edge)};
+        }
+    for (const Field field : model.stored) {
+        // An edge e is o / sqrt(1 + s^2 + o^2), and stands at the angle asin(o / s) from the plane of the axis.
+        const double edge = field == Field::Cap      ? APERTURA_PI * half
+                          : field == Field::HardLobe ? 2 * half * std::sqrt(1 + 1 / double(kSofterSharpness * kSofterSharpness))
+                          : field == Field::Lobe     ? half * std::sqrt(1 + 1 / double(kMiddleSlope * kMiddleSlope))
+                                                     : 0;
+        out.edge = std::max(out.edge, edge);
+        if (edge > 0) out.axis = 3 * std::sqrt(2.0) * half;
+    }
+    return out;
+}
+
 }  // namespace apertura

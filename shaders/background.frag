@@ -12,8 +12,8 @@ layout(location = 0) out vec4 colour;
 
 void main() {
     vec3 ray = normalize(frame.rays[0].xyz + screen.x * frame.rays[1].xyz + screen.y * frame.rays[2].xyz);
-    vec3 seen = frame.sky.bands[0].rgb;
-    if (frame.eye.w > 0.0) seen = textureLod(skyPicture, aperturaPlaceInSky(ray), 0.0).rgb;
+    vec3 seen = frame.background.rgb;
+    if (frame.background.w > 0.0) seen = textureLod(skyPicture, aperturaPlaceInSky(ray), 0.0).rgb;
     float nearest = 0.0;
     for (int i = frame.counts.x - 1; i >= 0; --i) {
         if (!aperturaIsSphere(frame.lights[i]) && aperturaIsWithin(frame.lights[i].cap, ray)) seen = frame.lights[i].radiance.rgb;

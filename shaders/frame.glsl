@@ -27,7 +27,8 @@ APERTURA_FN vec3 aperturaSkyBehind(AperturaLight light, AperturaCapLight cap, Ap
 struct AperturaFrame {
     mat4 toClip;
     AperturaSky sky;  // from all directions that no light fills
-    vec4 eye;         // xyz: world, metres; w: 1 if the sky has a picture
+    vec4 eye;         // xyz: world, metres
+    vec4 background;  // rgb: what is seen where no surface and no light is, W/m2/sr; w: 1, the sky's picture instead
     vec4 rays[3];     // xyz: a pixel looks along rays[0] + x rays[1] + y rays[2], x and y being -1..1 to the right and down
     vec4 brightest;   // rgb: the largest radiance of any light
     vec4 albedo;      // rgb, 0..1, of surfaces without materials; w: 1, and of all others too

@@ -57,6 +57,15 @@ TEST(Aperture, AndSoAreTheFormulasForLightsOfASize) {
     EXPECT_LE(small.max, 0.035);
 }
 
+TEST(Aperture, ErrsMoreUnderLargerLightsWhereHalfOfThemLieOnItsEdge) {
+    for (const auto& [radius, most] : {std::pair(1.0, 0.0017), {5.0, 0.0019}, {15.0, 0.0023}, {30.0, 0.0033}, {45.0, 0.0049}}) {
+        const Errors e = againstExact(
+            17, [](auto... a) { return aperturaIrradianceThroughAperture(a..., APERTURA_LIGHTS_ANY); }, radius, radius);
+        std::printf("%g degrees: rms %.4f max %.4f\n", radius, e.rms, e.max);
+        EXPECT_LE(e.rms, most) << radius;
+    }
+}
+
 TEST(Aperture, AChordLeavesOfADiscWhatItShould) {
     double before = 0;
     for (int i = 1; i <= 1000; ++i) {

@@ -14,7 +14,7 @@ struct Means {
     const char *model, *source;
     double rmse[3];
 };
-constexpr Means kBuiltInScenes[] = {{"soft", "sh", {0.0963, 0.0636, 0.0397}},    {"soft", "fit", {0.0826, 0.0517, 0.0336}},
+constexpr Means kBuiltInScenes[] = {{"soft", "sh", {0.0963, 0.0636, 0.0397}},    {"soft", "sh-fit", {0.0826, 0.0517, 0.0336}},
                                     {"firm-2", "fit", {0.0556, 0.0296, 0.0196}}, {"firm-3", "fit", {0.0446, 0.0213, 0.0156}},
                                     {"firm-4", "fit", {0.0391, 0.0187, 0.0154}}, {"auto", "fit", {0.0595, 0.0312, 0.0201}}};
 constexpr double kNumbersOfAuto = 5.24, kSkyOfFittedCoefficients = 0.0020;

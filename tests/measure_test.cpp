@@ -85,7 +85,7 @@ TEST(Measure, ModelsReachTheirMeansOverTheBuiltInScenes) {
             for (int r = 0; r < 3; ++r) sum[c][r] += rmse(m, cases[c].model, options.lightRadii[size_t(r)], cases[c].source) / scenes;
         for (const MeasureRow& row : m.rows) {
             if (row.model == "auto" && row.lightRadius == 5) numbers += row.numbers / scenes;
-            if (row.model == "soft" && row.source == "fit" && row.lightRadius == 5) ambient += row.ambient / scenes;
+            if (row.model == "soft" && row.source == "sh-fit" && row.lightRadius == 5) ambient += row.ambient / scenes;
         }
     }
     for (size_t c = 0; c < std::size(cases); ++c) {

@@ -445,6 +445,47 @@ TEST(Models, BytesAddLittle) {
     }
 }
 
+TEST(ParamsPacking, ErrsNoMoreThanItSays) {
+    Random random(31);
+    for (const int bits : {8, 16}) {
+        const float top = bits == 16 ? 32767 : 127;
+        for (const char* name : {"firm-2", "multi-2"}) {
+            const Model& model = *findModel(name);
+            const ParamsError bound = paramsError(model, bits);
+            double axis = 0, edge = 0;
+            for (int i = 0; i < 200000; ++i) {
+                ModelParams params{};
+                for (int k = 0; k < 2; ++k) {
+                    const vec3 w(random.direction());
+                    // Caps of any radius; lobes whose edge stands within a degree of the plane of the axis.
+                    params[size_t(k)] = model.stored[0] == Field::Cap
+                                          ? vec4(w, 1 - std::cos(float(random(0.1, 3))))
+                                          : vec4(kHardSharpness * w, kHardSharpness * float(random(-0.0175, 0.0175)));
+                }
+                std::vector<float> numbers(size_t(storedNumbers(model)));
+                packParams(model, params, numbers);
+                for (float& n : numbers) n = std::round(n * top) / top;
+                const ModelParams back = unpackParams(model, numbers);
+                for (size_t k = 0; k < 2; ++k) {
+                    const dvec3 a(params[k]), b(back[k]);
+                    axis = std::max(axis, std::atan2(length(cross(a, b)), dot(a, b)));
+                    const auto at = [&](const vec4& slot) {
+                        return model.stored[0] == Field::Cap ? std::acos(1 - double(slot.w))
+                                                             : std::asin(double(slot.w) / length(dvec3(slot)));
+                    };
+                    edge = std::max(edge, std::abs(at(params[k]) - at(back[k])));
+                }
+            }
+            EXPECT_LE(axis, 1.01 * bound.axis + 1e-5) << name << ", " << bits;
+            EXPECT_GE(axis, 0.9 * bound.axis) << name << ", " << bits;  // and not for want of trying
+            EXPECT_LE(edge, 1.01 * bound.edge + 1e-5) << name << ", " << bits;
+            EXPECT_GE(edge, 0.9 * bound.edge) << name << ", " << bits;
+        }
+    }
+    EXPECT_EQ(paramsError(*findModel("soft"), 8).axis, 0);
+    EXPECT_GE(paramsError(*findModel("auto"), 8).axis, paramsError(*findModel("firm-2"), 8).axis);
+}
+
 TEST(FormStream, RefusesWhatCannotBe) {
     const Model& two = *findModel("soft-2");
     const Model& automatic = *findModel("auto");

@@ -34,7 +34,8 @@ def read(path):
 
 
 def name(row):
-    return row["model"] if row["source"] == "sh" or row["model"] not in ("soft", "anti") else row["model"] + " (fit)"
+    """A model, and how `bake` made it where there are two ways: soft (sh-fit), anti (fit)."""
+    return row["model"] if row["source"] == "sh" or row["model"] not in ("soft", "anti") else f"{row['model']} ({row['source']})"
 
 
 def mean(values):

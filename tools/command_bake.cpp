@@ -22,8 +22,8 @@ constexpr double kManyShared = 0.01;  // fraction of texels that two charts shar
 constexpr double kNearlyAll = 0.95;   // fraction of vertices without sky from which a warning is printed
 
 struct Arguments {
-    std::string scene, out, model = "sh";
-    HeightMapOptions map;
+    std::string scene, out, model = "sh", drawnAs;
+    SceneOptions reading;
     BakeOptions bake;
     int bits = 8;
     bool isSwept = false;   // a height map, without rays
@@ -77,10 +77,11 @@ void run(const Arguments& a) {
     HeightMap map;
     Scene scene;
     if (a.isSwept) {
-        map = loadHeights(a.scene, a.map);
+        a.reading.check(a.scene);
+        map = loadHeights(a.scene, a.reading.heights);
         scene = meshToSweep(a.scene, map, a.bake.at == At::Texels, a.meshError, info.meshError);
     } else {
-        scene = loadScene(a.scene, a.map, a.bake.at == At::Texels ? Coordinates::Read : Coordinates::Ignore);
+        scene = a.reading.load(a.scene, a.bake.at == At::Texels ? Coordinates::Read : Coordinates::Ignore);
     }
     if (!a.images.empty()) requireImageFiles(a, scene, format);
     info.version = APERTURA_VERSION;
@@ -178,13 +179,20 @@ void run(const Arguments& a) {
     if (report.buried > 0) std::printf("  %.3g %% of the surface lies inside solids and gets no samples\n", 100 * report.buried);
     if (double(closed) > kNearlyAll * double(vertices))
         std::printf("  %zu of %zu vertices see nothing of the sky: a closed room, or faces that are wound inside out\n", closed, vertices);
+    if (!a.drawnAs.empty())
+        std::printf("  %s is made from the four numbers when it is drawn: they are what was stored, as by --model %s\n", a.drawnAs.c_str(),
+                    a.model.c_str());
     if (!a.isSwept) printNotes(scene.notes);
     for (const std::string& line : describe(issues)) std::printf("  %s\n", line.c_str());
 }
 
+// What to store for a model: of those that are made from the four numbers when they are drawn, these.
+const Recipe* recipeNamed(const std::string& name) {
+    const Model* const model = findModel(name);
+    return model && model->fromVisibility ? &recipeFor(*model) : findRecipe(name);
+}
+
 std::string whyNoRecipe(const std::string& name) {
-    if (const Model* model = findModel(name); model && model->fromVisibility)
-        return "'" + name + "' is made from the four numbers of any asset when it is drawn: bake sh, or sh-fit";
     std::string names;
     for (const Recipe& recipe : recipes()) names += (names.empty() ? "" : ", ") + std::string(recipe.name);
     return "there is no model '" + name + "' (there are " + names + ")";
@@ -218,7 +226,7 @@ void addBakeCommand(CLI::App& program) {
         ->check(CLI::Range(1, 1024))
         ->type_name("T");
     command.add_option("--model", a->model, "what to store, of the models below [sh]")
-        ->check(CLI::Validator([](const std::string& name) { return findRecipe(name) ? "" : whyNoRecipe(name); }, ""))
+        ->check(CLI::Validator([](std::string& name) { return recipeNamed(name) ? "" : whyNoRecipe(name); }, ""))
         ->type_name("NAME");
     command
         .add_option("--tolerance", a->bake.tolerance,
@@ -271,7 +279,7 @@ void addBakeCommand(CLI::App& program) {
                     "without materials]")
         ->check(isAlbedo())
         ->type_name("A|R,G,B");
-    addHeightMapOptions(command, a->map);
+    a->reading.addTo(command);
     const char* const group = "Height maps";
     command
         .add_option("--engine", a->engine,
@@ -293,6 +301,10 @@ void addBakeCommand(CLI::App& program) {
         ->type_name("M")
         ->group(group);
     command.callback([a, &command] {
+        if (const Recipe* const recipe = recipeNamed(a->model); recipe->name != a->model && !findRecipe(a->model)) {
+            a->drawnAs = a->model;
+            a->model = recipe->name;
+        }
         if (!a->price.empty() && a->model != "auto") throw CLI::ValidationError("--price is for --model auto");
         if (command.count("--tolerance") > 0 && a->model != "auto") throw CLI::ValidationError("--tolerance is for --model auto");
         if (!a->albedo.empty() && !a->bounce) throw CLI::ValidationError("--albedo is for --bounce");

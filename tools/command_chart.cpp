@@ -28,7 +28,7 @@ struct Arguments {
     std::vector<std::string> scenes;
     std::string out;
     std::vector<std::string> models, whole;
-    HeightMapOptions map;
+    SceneOptions reading;
     MeasureOptions measure;
 };
 
@@ -74,7 +74,7 @@ std::map<std::string, BakeCost> measureBaking(const Scene& scene, const MeasureO
 std::string recipeOf(const MeasureRow& row) {
     const Recipe* own = findRecipe(row.model);
     if (own && own->source == row.source) return row.model;
-    return row.source == "fit" ? "sh-fit" : row.source;
+    return row.source;
 }
 
 // What a model errs between the samples that an asset stores, and how that looks: by scene, model, source and light radius.
@@ -202,8 +202,12 @@ void run(Arguments a) {
     dropRepeats(a.measure.lightRadii);
     std::vector<Scene> scenes;
     scenes.reserve(a.scenes.size());
-    for (const std::string& name : a.scenes)
-        scenes.push_back(loadScene(name, a.map, isHeightMap(name) ? Coordinates::Read : Coordinates::Ignore));
+    if (std::none_of(a.scenes.begin(), a.scenes.end(), isHeightMap)) a.reading.check(a.scenes.front());
+    for (const std::string& name : a.scenes) {
+        SceneOptions own = a.reading;
+        if (!isHeightMap(name)) own.heights = {};  // those are for the maps among them
+        scenes.push_back(own.load(name, isHeightMap(name) ? Coordinates::Read : Coordinates::Ignore));
+    }
     std::error_code failed;
     std::filesystem::create_directories(a.out, failed);
     if (failed || !std::filesystem::is_directory(a.out)) throw Error(a.out + ": is not a folder, and cannot be made one");
@@ -291,7 +295,7 @@ void addChartCommand(CLI::App& program) {
         ->type_name("RMSE");
     command.add_option("--seed", a->measure.seed, "of the receivers and the rays [1]")->type_name("S");
     command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
-    addHeightMapOptions(command, a->map);
+    a->reading.addTo(command);
     command.callback([a] { run(*a); });
 }
 

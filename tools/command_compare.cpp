@@ -18,7 +18,7 @@ namespace {
 struct Arguments {
     std::string scene, json, albedo;
     std::vector<std::string> models;
-    HeightMapOptions map;
+    SceneOptions reading;
     MeasureOptions measure;
 };
 
@@ -80,20 +80,20 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     if (m.buried > 0) std::printf("; %d more lie inside solids, where nobody sees them", m.buried);
     std::printf("\n");
     const bool bounces = !m.bounces.empty();
-    std::printf("%-12s %-5s %7s %6s %7s", "model", "from", "numbers", "bytes", "ambient");
+    std::printf("%-12s %-6s %7s %6s %7s", "model", "from", "numbers", "bytes", "ambient");
     if (bounces) std::printf(" %7s", "bounced");
     for (double radius : radii) std::printf(" %8g", radius);
     std::printf("\n");
     for (size_t i = 0; i < m.rows.size(); i += radii.size()) {
         const MeasureRow& first = m.rows[i];
-        std::printf("%-12s %-5s %7.4g %6.3g %7.4f", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes,
+        std::printf("%-12s %-6s %7.4g %6.3g %7.4f", first.model.c_str(), first.source.c_str(), first.numbers, first.bytes,
                     bounces ? first.unbounced : first.ambient);
         if (bounces) std::printf(" %7.4f", first.bounced);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].rmse);
         std::printf("\n");
         if (!m.paths.empty() || !(first.own > 0)) continue;
-        const int indent = bounces ? 49 : 41;
-        std::printf("%-33s %7.4f%s", "  at the receivers themselves", first.ambientOwn, bounces ? "        " : "");
+        const int indent = bounces ? 50 : 42;
+        std::printf("%-34s %7.4f%s", "  at the receivers themselves", first.ambientOwn, bounces ? "        " : "");
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[i + k].own);
         std::printf("\n%-*s", indent, "  mottle");
         for (size_t k = 0; k < radii.size(); ++k)
@@ -104,15 +104,15 @@ void print(const Measurement& m, const std::vector<double>& radii) {
         std::printf("\n");
     }
     const auto footer = [&](const char* name, double MeasureRow::*field) {
-        std::printf("%-*s", bounces ? 49 : 41, name);
+        std::printf("%-*s", bounces ? 50 : 42, name);
         for (size_t k = 0; k < radii.size(); ++k) std::printf(" %8.4f", m.rows[k].*field);
         std::printf("\n");
     };
     footer("rms of the truth", &MeasureRow::rmsTruth);
     footer("the truth's own noise", &MeasureRow::noise);
     std::printf(
-        "from: sh, the coefficients of what the rays see; rays, straight from them; fit, fitted to them. bytes: of a vertex in the "
-        "asset\n");
+        "from: sh, the coefficients of what the rays see; rays, straight from them; fit, fitted to them; sh-fit, the coefficients of the "
+        "soft aperture that is fitted to them. numbers: of auto, the mean over the receivers. bytes: of a vertex in the asset\n");
     for (const MeasureRow& r : m.rows)
         if (r.texelsPerMetre > 0 && &r == &m.rows[m.rows.size() - radii.size()])
             std::printf("shadow-map: %d texels a side over the whole scene, %.3g a metre on average\n", kShadowTexels, r.texelsPerMetre);
@@ -148,7 +148,7 @@ void run(Arguments a) {
     std::vector<std::string> notes;
     {
         ProgressBar bar("comparing");
-        Scene scene = loadScene(a.scene, a.map);
+        Scene scene = a.reading.load(a.scene);
         if (a.measure.bounces > 0 && a.albedo.empty()) loadTextures(scene, TexturesFor::Pictures);
         if (hasVisibility(scene)) {
             const Asset asset = toAsset(scene);
@@ -206,7 +206,7 @@ void addCompareCommand(CLI::App& program) {
     command.add_option("--seed", a->measure.seed, "of the receivers and the rays [1]")->type_name("S");
     command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     command.add_option("--json", a->json, "write the table here too")->type_name("OUT");
-    addHeightMapOptions(command, a->map);
+    a->reading.addTo(command);
     command.callback([a] {
         if (!a->albedo.empty() && a->measure.bounces == 0) throw CLI::ValidationError("--albedo is for --bounces");
         if (!a->albedo.empty()) a->measure.albedo = {*albedoIn(a->albedo), true};

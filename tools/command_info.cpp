@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "apertura/bake/sampling/samples.h"
 #include "apertura/runtime/asset/asset.h"
 #include "apertura/runtime/asset/bounces.h"
 #include "apertura/runtime/asset/params_stream.h"
@@ -30,6 +31,15 @@ nlohmann::ordered_json describeChoices(const Asset& asset) {
             }
     nlohmann::ordered_json shares = nlohmann::json::object();
     double numbers = 0;
+    // Numbers that the light's formula reads, of vertices and of samples.
+    const auto meanOf = [&](const auto& paramsOf) {
+        double sum = 0, points = 0;
+        for (const SeenByInstance& seen : asset.seen)
+            for (const ModelParams& params : paramsOf(seen)) sum += chosenModel(models()[APERTURA_MODEL_AUTO], params).numbers, points += 1;
+        return points > 0 ? sum / points : 0.0;
+    };
+    const double atVertices = meanOf([](const SeenByInstance& seen) -> const auto& { return seen.allParams; });
+    const double onFaces = meanOf([](const SeenByInstance& seen) -> const auto& { return seen.faces.allParams; });
     for (const Model* model : autoModels()) {
         const double share = double(counts[size_t(model->id)]) / double(std::max<size_t>(all, 1));
         shares[std::string(model->name)] = share;
@@ -38,12 +48,16 @@ nlohmann::ordered_json describeChoices(const Asset& asset) {
     return {{"tolerance", asset.info.tolerance},
             {"price", asset.info.price.empty() ? "numbers" : asset.info.price},
             {"alone", asset.info.alone},
-            {"numbers_per_vertex", numbers},
+            {"numbers_per_vertex", atVertices},
+            {"numbers_per_sample", onFaces},
+            {"numbers_per_point", numbers},
             {"shares", shares},
             {"unreached", double(unreached) / double(std::max<size_t>(all, 1))}};
 }
 
 nlohmann::ordered_json describe(const std::string& file) {
+    if (!file.ends_with(".glb") && !file.ends_with(".gltf"))
+        throw Error(file + ": is no asset, which is a .glb; make one of it with `apertura bake`");
     const Asset asset = loadAsset(file);
     size_t vertices = 0, closed = 0;
     double area = 0, cap = 0;
@@ -73,6 +87,7 @@ nlohmann::ordered_json describe(const std::string& file) {
         imageBytes += texels.bytes;
     }
     const PackingError error = packingError(asset.info.bits);
+    const Model* const stored = storedModel(asset.info);
     nlohmann::ordered_json out{{"file", file},
                                {"version", asset.info.version},
                                {"model", asset.info.model},
@@ -103,6 +118,15 @@ nlohmann::ordered_json describe(const std::string& file) {
                                  {"direction", error.direction},
                                  {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / std::numbers::pi},
                                  {"radius_degrees", error.radius * 180 / std::numbers::pi}}}};
+    if (stored)
+        if (const ParamsError own = paramsError(*stored, asset.info.bits); own.axis > 0)
+            out["error_bounds"]["model"] = {{"axis_degrees", own.axis * 180 / std::numbers::pi},
+                                            {"edge_degrees", own.edge * 180 / std::numbers::pi}};
+    if (asset.info.rays > 0 && asset.info.azimuths == 0) {
+        const RaysError rays = raysError(asset.info.rays);
+        out["rays_add"] = {{"area_of_hemisphere", rays.area}, {"direction_degrees", rays.direction * 180 / std::numbers::pi}};
+    }
+    out["ray_offset"] = asset.info.rayOffset;
     if (hasBounces(asset)) out["bounce"] = asset.info.bounce, out["bounce_bytes"] = bytesOfBounces(asset);
     if (asset.info.model == "auto") out["auto"] = describeChoices(asset);
     if (!asset.scene.notes.empty()) out["notes"] = asset.scene.notes;
@@ -159,21 +183,38 @@ void print(const nlohmann::ordered_json& d) {
                 std::printf("%s%s on %.3g %%", std::exchange(between, ", "), name.c_str(), 100 * share.get<double>());
         const std::string alone = printable(a["alone"].get<std::string>());
         std::printf("%s%s\n", alone.empty() ? "" : "; as one model for the whole scene: ", alone.c_str());
-        std::printf("  reads         %.2f numbers a vertex or sample\n", a["numbers_per_vertex"].get<double>());
+        std::printf("  reads         %.3g numbers a vertex", a["numbers_per_vertex"].get<double>());
+        if (const double onFaces = a["numbers_per_sample"].get<double>(); onFaces > 0)
+            std::printf(", %.3g a sample on faces, %.3g of all of them", onFaces, a["numbers_per_point"].get<double>());
+        std::printf("\n");
         if (a["unreached"].get<double>() > 0)
-            std::printf("                no model reached the tolerance at %.1f %% of them\n", 100 * a["unreached"].get<double>());
+            std::printf(
+                "                at %.2g %% of these points no model comes within the tolerance; they have the best. It is of each point: "
+                "the RMSE of the whole surface may be within it all the same\n",
+                100 * a["unreached"].get<double>());
         else
-            std::printf("                the tolerance is within reach at every vertex\n");
+            std::printf("                the tolerance is within reach at every point\n");
     }
     std::printf("  visibility    %.3f of the hemisphere open on average, capness %.3f (1: it is one cap), %zu vertices closed\n",
                 d["mean_open"].get<double>(), d["mean_capness"].get<double>(), d["closed_vertices"].get<size_t>());
     const auto& e = d["error_bounds"];
     std::printf(
-        "  error bounds  of the four numbers at vertices: area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap), "
-        "radius %.3f "
+        "  error bounds  of the bytes alone: area %.5f of the hemisphere, direction %.5f of D/A (%.3f degrees for a cap), radius %.3f "
         "degrees\n",
         e["area_of_hemisphere"].get<double>(), e["direction"].get<double>(), e["direction_degrees_of_a_cap"].get<double>(),
         e["radius_degrees"].get<double>());
+    if (e.contains("model"))
+        std::printf(
+            "                of the model's: axes %.3f degrees, edges %.3f degrees, more where they are far from the middle of the sky\n",
+            e["model"]["axis_degrees"].get<double>(), e["model"]["edge_degrees"].get<double>());
+    if (d.contains("rays_add"))
+        std::printf(
+            "  rays add      about %.2g of the hemisphere in area and %.2g degrees in direction (RMS; up to six times as much at some "
+            "points)\n",
+            d["rays_add"]["area_of_hemisphere"].get<double>(), d["rays_add"]["direction_degrees"].get<double>());
+    if (d["ray_offset"].get<double>() > 0)
+        std::printf("                and start up to %.2g m above the surface: what lies nearer does not block them\n",
+                    d["ray_offset"].get<double>());
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct Arguments {
     Film film;
     uint32_t seed = 1;
     int threads = 0, paths = 16;
-    HeightMapOptions map;
+    SceneOptions reading;
 };
 
 void run(const Arguments& a) {
@@ -46,7 +46,7 @@ void run(const Arguments& a) {
         for (const std::string& out : a.film.filesOf(a.out))
             if (!in.empty()) refuseToReplaceInput(in, out);
     requireWritable(a.out);
-    Scene scene = loadScene(a.file, a.map);
+    Scene scene = a.reading.load(a.file);
     if (!a.view.plain) loadTextures(scene, TexturesFor::Pictures);
     std::vector<std::string> notes = scene.notes, viewNotes;
     View view = a.view.viewOf(scene, viewNotes);
@@ -143,7 +143,7 @@ void addRenderCommand(CLI::App& program) {
         ->type_name("N");
     command.add_option("--seed", a->seed, "of the reference's rays [1]")->type_name("S");
     command.add_option("--threads", a->threads, "for the reference [all cores]")->check(CLI::Range(1, 1024))->type_name("T");
-    addHeightMapOptions(command, a->map);
+    a->reading.addTo(command);
     command.callback([a, &command] {
         if (command.count("--sun-path") > 0 && a->film.sunPath.empty())
             throw CLI::ValidationError("--sun-path: '' is not AZ,EL:AZ,EL in degrees");

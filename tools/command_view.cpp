@@ -19,7 +19,7 @@ struct Arguments {
     std::string file, model, script, save;
     ViewOptions view;
     bool validate = false;
-    HeightMapOptions map;
+    SceneOptions reading;
 };
 
 // A height map's: swept, as `bake` does it.
@@ -81,12 +81,13 @@ void run(const Arguments& a) {
     double meshError = 0;
     Scene scene;
     if (isHeightMap(a.file)) {
-        map = loadHeights(a.file, a.map);
+        a.reading.check(a.file);
+        map = loadHeights(a.file, a.reading.heights);
         // The view may name files too, and all are read before the first thread begins.
         const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
         scene = meshToSweep(a.file, map, optionsOf(a).at == At::Texels, -1, meshError);
     } else {
-        scene = loadScene(a.file, a.map);
+        scene = a.reading.load(a.file);
     }
     loadTextures(scene, TexturesFor::Pictures);
     std::vector<std::string> notes = scene.notes;
@@ -126,7 +127,7 @@ void addViewCommand(CLI::App& program) {
     command.add_option("--script", a->script, "replay keys, mouse and waits from a text file, and end")->type_name("FILE");
     command.add_option("--save", a->save, "where the script's pictures go")->type_name("DIR");
     command.add_flag("--validate", a->validate, "load the Vulkan validation layer and fail if it finds anything");
-    addHeightMapOptions(command, a->map);
+    a->reading.addTo(command);
     command.callback([a] { run(*a); });
 }
 

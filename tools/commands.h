@@ -19,8 +19,21 @@ void addChartCommand(CLI::App& program);
 void addStabilityCommand(CLI::App& program);
 void addViewCommand(CLI::App& program);
 
-// Adds --spacing, --vertical-scale and --terrain-rgb, for the verbs that read scenes. `options` must outlive `command`.
+// Adds --spacing, --vertical-scale and --terrain-rgb. `options` must outlive `command`.
 void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);
+
+// How a verb reads scenes.
+struct SceneOptions {
+    HeightMapOptions heights;
+    bool ground = false;  // with one under it
+
+    // Adds the options. It must outlive `command`.
+    void addTo(CLI::App& command);
+    // Throws CLI::ValidationError where an option is not for scenes of this kind.
+    void check(const std::string& scene) const;
+    // check and loadScene.
+    Scene load(const std::string& scene, Coordinates coordinates = Coordinates::Ignore) const;
+};
 
 // Removes repeated numbers and keeps the first of each.
 void dropRepeats(std::vector<double>& numbers);

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <sstream>
 
+#include "apertura/bake/scene/ground.h"
+#include "apertura/runtime/asset/asset.h"
 #include "apertura/runtime/asset/error.h"
 #include "tools/commands.h"
 
@@ -120,6 +122,28 @@ void addHeightMapOptions(CLI::App& command, HeightMapOptions& options) {
         ->type_name("S")
         ->group(group);
     command.add_flag("--terrain-rgb", options.terrainRgb, "heights are packed in R, G, B (Mapbox Terrain-RGB)")->group(group);
+}
+
+void SceneOptions::addTo(CLI::App& command) {
+    command.add_flag("--ground", ground, "put a ground under a scene that has none: a square, four times as wide as the scene");
+    addHeightMapOptions(command, heights);
+}
+
+void SceneOptions::check(const std::string& scene) const {
+    const char* const given = heights.spacingX > 0       ? "--spacing"
+                            : heights.verticalScale != 1 ? "--vertical-scale"
+                            : heights.terrainRgb         ? "--terrain-rgb"
+                                                         : nullptr;
+    if (given && !isHeightMap(scene)) throw CLI::ValidationError(std::string(given) + " is for height maps, and " + scene + " is none");
+    if (ground && isHeightMap(scene)) throw CLI::ValidationError("--ground: " + scene + " is a height map, which is a ground itself");
+}
+
+Scene SceneOptions::load(const std::string& scene, Coordinates coordinates) const {
+    check(scene);
+    Scene out = loadScene(scene, heights, coordinates);
+    if (!ground) return out;
+    if (hasVisibility(out)) throw Error(scene + ": is baked already; --ground is for bake, and for what is not baked yet");
+    return withGround(std::move(out));
 }
 
 std::string inQuotes(const std::string& text) {

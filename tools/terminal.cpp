@@ -10,6 +10,8 @@
 namespace apertura {
 namespace {
 
+constexpr std::chrono::seconds kLogged{15};  // between lines of a log
+
 volatile std::sig_atomic_t stopAsked = 0;  // the only type that a signal handler may write
 
 }  // namespace
@@ -34,7 +36,10 @@ ProgressBar::~ProgressBar() {
 
 Progress ProgressBar::callback() {
     return [this](double share) {
-        if (terminal_) draw(share);
+        if (terminal_)
+            draw(share);
+        else
+            log(share);
         return !interrupted();
     };
 }
@@ -51,6 +56,13 @@ void ProgressBar::draw(double share) {
     if (share > 0.01 && elapsed > 0.5) std::fprintf(stderr, ", %.0f s left\033[K", elapsed * (1 - share) / share);
     std::fflush(stderr);
     drawn_ = true;
+}
+
+void ProgressBar::log(double share) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - std::max(last_, start_) < kLogged) return;
+    last_ = now;
+    std::fprintf(stderr, "%s: %.0f %% after %.0f s\n", label_.c_str(), 100 * share, std::chrono::duration<double>(now - start_).count());
 }
 
 }  // namespace apertura

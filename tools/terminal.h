@@ -20,6 +20,7 @@ public:
 
 private:
     void draw(double share);
+    void log(double share);
     std::string label_;
     bool terminal_, drawn_ = false;
     std::chrono::steady_clock::time_point start_, last_{};

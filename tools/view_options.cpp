@@ -13,6 +13,7 @@ namespace apertura {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr float kBehind = 0.25f;  // of a plain sky's radiance, what is drawn behind a scene: what the sky lights stands apart from it
 
 std::optional<glm::vec3> colourIn(const std::string& text) {
     const std::string digits = text.starts_with('#') ? text.substr(1) : text;
@@ -73,6 +74,10 @@ void ViewOptions::addTo(CLI::App& command) {
             "lies east (+X), its top row is up [5d7cac]")
         ->type_name("RRGGBB|FILE");
     command
+        .add_option("--background", background,
+                    "what is drawn where no surface is, whatever lights the scene [the sky's picture; of a plain sky a quarter of it]")
+        ->type_name("sky|RRGGBB");
+    command
         .add_option(
             "--lights", lights,
             "at most 16 more lights, a JSON list such as [{\"towards\": [0,1,0], \"radius\": 5, \"radiance\": [9,9,9]}, {\"at\": [0,2,0], "
@@ -125,6 +130,8 @@ void ViewOptions::check() const {
         throw CLI::ValidationError("--size: whole numbers of pixels, at most 8192");
     if (!sky.empty() && !colourIn(sky) && !namesPicture(sky))
         throw CLI::ValidationError("--sky: '" + sky + "' is neither a colour RRGGBB nor a picture .exr or .hdr");
+    if (!background.empty() && background != "sky" && !colourIn(background))
+        throw CLI::ValidationError("--background: '" + background + "' is neither a colour RRGGBB nor the word sky");
     if (!lights.empty() && punctualRadius > 0) throw CLI::ValidationError("--lights and --punctual-radius: one of them");
     if (!albedo.empty() && plain) throw CLI::ValidationError("--albedo and --plain: one of them");
     if (!around.empty() && (plain || !albedo.empty()))
@@ -137,11 +144,15 @@ View ViewOptions::viewOf(const Scene& scene, std::vector<std::string>& notes) co
     View view;
     view.width = int(width);
     view.height = int(height);
-    view.camera = cameraIn(camera, apertura::viewOf(scene));
+    view.camera = cameraIn(camera, apertura::viewOf(scene, width / height));
     if (const std::optional<glm::vec3> colour = colourIn(sky))
         view.sky = *colour;
     else if (!sky.empty())
         view.sky = readSky(sky);
+    if (!background.empty() && background != "sky")
+        view.background = *colourIn(background);
+    else if (background.empty() && !view.sky.picture())
+        view.background = kBehind * glm::vec3(view.sky.bands().bands[0]);
     view.plain = plain || !albedo.empty();
     if (!albedo.empty()) view.albedo = *albedoIn(albedo);
     view.bounces = bounces;

@@ -11,7 +11,7 @@ namespace apertura {
 constexpr int kBounces = 8;  // where nothing says how many
 
 struct ViewOptions {
-    std::string camera, sky, lights, tone, albedo, around;
+    std::string camera, sky, background, lights, tone, albedo, around;
     int bounces = 0;
     double azimuth = 135, elevation = 40, radius = 0.27;  // degrees, of the sun
     bool noSun = false, plain = false;

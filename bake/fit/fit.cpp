@@ -220,7 +220,7 @@ constexpr Recipe kRecipes[] = {
     {"sh", "sh", -1, -1, "the four coefficients of the visibility itself", fromSh},
     {"rays", "rays", -1, -1, "area and mean direction straight from the rays", fromRays},
     {"transfer", "transfer", -1, -1, "cosine-weighted transfer, as direct-lighting bakers give it, converted", fromTransfer},
-    {"sh-fit", "fit", -1, APERTURA_MODEL_SOFT, "the four coefficients of the best soft aperture", fittedSh},
+    {"sh-fit", "sh-fit", -1, APERTURA_MODEL_SOFT, "the four coefficients of the best soft aperture", fittedSh},
     {"sh-l2", "sh", APERTURA_MODEL_SH_L2, -1, "SH to band 2", bands},
     {"sh-l4", "sh", APERTURA_MODEL_SH_L4, -1, "SH to band 4", bands},
     {"anti", "fit", APERTURA_MODEL_ANTI, -1, "the better of one aperture and one anti-aperture", fittedLobes<APERTURA_MODEL_ANTI>},

@@ -182,7 +182,7 @@ std::vector<Appearance::Edge> Appearance::edgesAbout(const Tracer& tracer, const
             return glm::max(receiver.weights + float(low + (high - low) * share) * along, glm::vec3(0));
         };
         const auto isOpen = [&](double share) {
-            return !tracer.occluded(rayOrigin(tracer, pointAt(at(weightsAt(share)), face)), light, kNoLimit);
+            return !tracer.occluded(rayOrigin(tracer, pointAt(at(weightsAt(share)), face), kTruthOffset), light, kNoLimit);
         };
         bool open[kSteps];
         for (int i = 0; i < kSteps; ++i) open[i] = isOpen((i + 0.5) / kSteps);

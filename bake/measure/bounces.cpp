@@ -22,7 +22,7 @@ struct Visitor {
     bool reflects(const Hit&, const SurfacePoint& point, const glm::vec3& throughput) {
         ++met;
         blocked.resize(lights.size());
-        tracer.occluded(rayOrigin(tracer, point), lights, kNoLimit, blocked.data());
+        tracer.occluded(rayOrigin(tracer, point, kTruthOffset), lights, kNoLimit, blocked.data());
         for (size_t k = 0; k < lights.size(); ++k)
             if (const float cosine = glm::dot(lights[k], point.normal); cosine > 0 && !blocked[k])
                 fromLights[k] += double(cosine) * glm::dvec3(throughput);
@@ -49,7 +49,7 @@ std::vector<BounceTruth> traceBounces(const Tracer& tracer, std::span<const Surf
     tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
         if (counter.stopped()) return;
         const glm::mat3 frame = frameFromZ(points[i].normal, 2 * pi * hashUnit(seed, i, 31));
-        const glm::dvec3 origin = rayOrigin(tracer, points[i]);
+        const glm::dvec3 origin = rayOrigin(tracer, points[i], kTruthOffset);
         BounceTruth& truth = out[i];
         std::vector<glm::vec3> turned;
         for (const glm::vec3& w : even) turned.push_back(frame * w);

@@ -73,7 +73,7 @@ public:
     glm::vec3 radiance(const glm::dvec3& eye, const glm::vec3& direction, uint64_t sample, int layers = kMostLayers) {
         const std::optional<Hit> hit = tracer_.nearest(eye, direction);
         if (const std::optional<glm::vec3> light = lightAlong(eye, direction, hit ? hit->distance : kNoLimit)) return *light;
-        if (!hit) return view_.sky.towards(glm::normalize(direction));
+        if (!hit) return view_.background ? *view_.background : view_.sky.towards(glm::normalize(direction));
         const glm::vec3 irradiance = irradianceAt({hit->at.position, hit->at.normal}, sample);
         const Scene& scene = tracer_.scene();
         const bool plain = view_.plain || scene.materials.empty();
@@ -89,7 +89,7 @@ public:
     }
 
     glm::vec3 irradianceAt(const SurfacePoint& point, uint64_t sample) {
-        const glm::dvec3 origin = rayOrigin(tracer_, point);
+        const glm::dvec3 origin = rayOrigin(tracer_, point, kTruthOffset);
         const LightsFrom lights(view_, point.position);
         glm::vec3 out(0);
         for (size_t i = 0; i < lights.count(); ++i) out += fromLight(lights, i, origin, point.normal, sample);
@@ -172,7 +172,7 @@ private:
     // Irradiance from the lights at the bounce `number` of a path.
     glm::dvec3 directAt(const SurfacePoint& point, uint64_t path, uint64_t number) const {
         const LightsFrom lights(view_, point.position);
-        const glm::dvec3 origin = rayOrigin(tracer_, point);
+        const glm::dvec3 origin = rayOrigin(tracer_, point, kTruthOffset);
         glm::dvec3 out(0);
         for (size_t i = 0; i < lights.count(); ++i) {
             const AperturaCapLight& cap = lights.cap(i);

@@ -44,7 +44,7 @@ TruthSample traceLight(const Tracer& tracer, const SurfacePoint& receiver, const
     std::vector<glm::vec3> rays;
     for (const glm::vec3& w : fibonacciCap(samples, height)) rays.push_back(frame * w);
     std::vector<uint8_t> blocked(rays.size());
-    tracer.occluded(rayOrigin(tracer, receiver), rays, kNoLimit, blocked.data());
+    tracer.occluded(rayOrigin(tracer, receiver, kTruthOffset), rays, kNoLimit, blocked.data());
     double sum[2]{};
     for (size_t i = 0; i < rays.size(); ++i)
         if (!blocked[i]) sum[i & 1] += std::max(glm::dot(rays[i], receiver.normal), 0.0f);

@@ -53,18 +53,6 @@ size_t addIndices(GltfWriter& writer, const Surface& surface) {
 
 Json numbers(const glm::vec3& v) { return Json::array({v.x, v.y, v.z}); }
 
-void addCamera(Json& json, const Camera& view) {
-    json["cameras"].push_back({{"type", "perspective"}, {"perspective", {{"yfov", view.verticalFov}, {"znear", 0.01}}}});
-    const glm::dvec3 back = glm::normalize(glm::dvec3(view.eye - view.target));
-    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(view.up), back)), up = glm::cross(back, right);
-    json["scenes"][0]["nodes"].push_back(json["nodes"].size());
-    json["nodes"].push_back(
-        {{"name", "camera"},
-         {"camera", 0},
-         {"matrix",
-          {right.x, right.y, right.z, 0, up.x, up.y, up.z, 0, back.x, back.y, back.z, 0, view.eye.x, view.eye.y, view.eye.z, 1}}});
-}
-
 // Adds a scene that has no document and sets the instances' `node` and `primitive`.
 void addScene(GltfWriter& writer, Scene& scene) {
     Json& json = writer.json();

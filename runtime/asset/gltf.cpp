@@ -243,6 +243,24 @@ Scene readScene(GltfDocument&& given) {
 
 }  // namespace
 
+Scene sceneOf(GltfDocument document) { return readScene(std::move(document)); }
+
+void addCamera(Json& json, const Camera& view) {
+    json["cameras"].push_back({{"type", "perspective"}, {"perspective", {{"yfov", view.verticalFov}, {"znear", 0.01}}}});
+    const glm::dvec3 back = glm::normalize(glm::dvec3(view.eye - view.target));
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(view.up), back)), up = glm::cross(back, right);
+    addNode(json,
+            {{"name", "camera"},
+             {"camera", json["cameras"].size() - 1},
+             {"matrix",
+              {right.x, right.y, right.z, 0, up.x, up.y, up.z, 0, back.x, back.y, back.z, 0, view.eye.x, view.eye.y, view.eye.z, 1}}});
+}
+
+void addNode(Json& json, Json node) {
+    if (!listOf(json, "scenes").empty()) json["scenes"][unsignedOr(json, "scene", 0)]["nodes"].push_back(listOf(json, "nodes").size());
+    json["nodes"].push_back(std::move(node));
+}
+
 Scene readGltf(const std::string& path) { return readScene(readGltfDocument(path)); }
 
 Scene parseGltf(std::span<const unsigned char> bytes, const std::string& name, const std::filesystem::path& folder) {

@@ -18,6 +18,9 @@
 
 namespace apertura {
 
+struct Camera;
+struct Scene;
+
 using Json = nlohmann::json;
 using Bytes = std::vector<unsigned char>;
 using SharedBytes = std::shared_ptr<const Bytes>;  // never null; entries that name the same file share it
@@ -74,6 +77,13 @@ std::vector<float> readAccessor(const GltfDocument& document, size_t accessor, i
 
 // An accessor's elements as integers. Throws Error naming the document unless they are scalars of an unsigned type.
 std::vector<uint32_t> readIndices(const GltfDocument& document, size_t accessor);
+
+// Adds a node to the default scene, and one with a camera.
+void addNode(Json& json, Json node);
+void addCamera(Json& json, const Camera& view);
+
+// The scene of a document that was read, or made.
+Scene sceneOf(GltfDocument document);
 
 // The first accessor of this name: what no object refers to is found by it, so that programs that know nothing of it leave the rest alone.
 std::optional<size_t> findAccessor(const Json& json, const char* name);

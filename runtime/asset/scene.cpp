@@ -68,24 +68,29 @@ size_t triangleCount(const Scene& scene) {
     return n;
 }
 
-Camera viewOf(const Scene& scene) {
+Camera viewOf(const Scene& scene, double aspect) {
     if (!scene.cameras.empty()) return scene.cameras.front();
-    const Box box = worldBounds(scene);
+    constexpr double kFilled = 0.92;  // of the picture, along the side that the scene fills
     Camera camera;
-    camera.target = 0.5f * (box.low + box.high);
-    const glm::vec3 back = glm::normalize(glm::vec3(0.45f, 0.55f, 1.0f));
-    const glm::vec3 right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), back)), up = glm::cross(back, right);
-    // The nearest distance that keeps every corner of the box in a picture of 3 : 2, with a margin.
-    const float tangent = std::tan(camera.verticalFov / 2) * 0.92f;
-    float distance = 1e-6f;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 p = glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                      corner & 4 ? box.high.z : box.low.z)
-                          - camera.target;
-        const float needed = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / 1.5f) / tangent;
-        distance = std::max(distance, glm::dot(p, back) + needed);
-    }
-    camera.eye = camera.target + distance * back;
+    const glm::dvec3 back = glm::normalize(glm::dvec3(0.45, 0.55, 1));
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back)), up = glm::cross(back, right);
+    const double rise = std::tan(camera.verticalFov / 2.0) * kFilled, run = rise * aspect;
+    // A point is in the picture if |x - x0| <= run (z0 - z), and as much along y, of an eye at (x0, y0, z0): each side is the largest of
+    // one sum over all points, and the eye stands where two opposite ones meet.
+    double most[4] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, nearest = -HUGE_VAL, farthest = HUGE_VAL;
+    for (const Instance& instance : scene.instances)
+        for (const glm::vec3& position : scene.surfaces[size_t(instance.surface)].positions) {
+            const glm::dvec3 p = worldPosition(instance, position);
+            const double x = glm::dot(p, right), y = glm::dot(p, up), z = glm::dot(p, back);
+            const double sides[4] = {run * z + x, run * z - x, rise * z + y, rise * z - y};
+            for (int k = 0; k < 4; ++k) most[k] = std::max(most[k], sides[k]);
+            nearest = std::max(nearest, z), farthest = std::min(farthest, z);
+        }
+    const double least = std::max(1e-6, 1e-3 * (nearest - farthest));  // metres before the nearest point
+    const double z0 = std::max({(most[0] + most[1]) / (2 * run), (most[2] + most[3]) / (2 * rise), nearest + least});
+    const double x0 = (most[0] - most[1]) / 2, y0 = (most[2] - most[3]) / 2;
+    camera.eye = x0 * right + y0 * up + z0 * back;
+    camera.target = x0 * right + y0 * up + 0.5 * (nearest + farthest) * back;
     return camera;
 }
 

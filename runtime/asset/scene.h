@@ -111,8 +111,9 @@ std::array<glm::dvec3, 3> cornersOf(const Scene& scene, int instance, int triang
 Box worldBounds(const Scene& scene);       // metres
 size_t triangleCount(const Scene& scene);  // each instance counts
 
-// The scene's own camera, or one that sees the whole scene from a little above.
-Camera viewOf(const Scene& scene);
+// The scene's own camera, or one from a little above that the whole scene fills the picture of. `aspect`: width over height, of the
+// picture.
+Camera viewOf(const Scene& scene, double aspect = 16.0 / 9);
 
 // Computes angle-weighted vertex normals; +Y for a vertex whose triangles all have no area.
 void makeNormals(Surface& surface);

@@ -1,6 +1,7 @@
 #pragma once
 // The camera and the lights of a picture, the same for the Vulkan renderer and for the ray-traced reference.
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "apertura/runtime/asset/scene.h"
@@ -15,7 +16,9 @@ struct View {
     // At most APERTURA_MAX_LIGHTS. Lights that are seen in one direction hide each other: those at infinity the later ones in this list,
     // lamps all that is farther.
     std::vector<AperturaLight> lights;
-    Sky sky;                 // where no light is
+    Sky sky;  // where no light is
+    // What is seen where no surface and no light is, rgb, W/m2/sr, whatever the sky is that lights the scene; nothing: the sky.
+    std::optional<glm::vec3> background;
     glm::vec3 albedo{0.8f};  // rgb, 0..1, of scenes without materials
     bool plain = false;      // all surfaces have that albedo: materials only let through
     // Reflections on other surfaces that light may take on its way. The reference follows so many, by the materials' base colours; models

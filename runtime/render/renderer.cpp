@@ -220,7 +220,8 @@ void Renderer::State::light(int frame, const View& view, VkExtent2D size, int fl
     const std::vector<AperturaLight> lights = arrangedLights(view);
     out.toClip = clipTransform(view.camera, aspect, nearest);
     out.sky = view.sky.bands();
-    out.eye = vec4(view.camera.eye, view.sky.picture() ? 1 : 0);
+    out.eye = vec4(view.camera.eye, 0);
+    out.background = view.background ? vec4(*view.background, 0) : vec4(vec3(out.sky.bands[0]), view.sky.picture() ? 1 : 0);
     const std::array<vec4, 3> rays = raysOf(view.camera, aspect);
     std::copy(rays.begin(), rays.end(), out.rays);
     out.albedo = vec4(view.albedo, view.plain ? 1 : 0);

@@ -19,7 +19,7 @@ def element(document, binary, accessor, index):
     a = document["accessors"][accessor]
     view = document["bufferViews"][a["bufferView"]]
     size, code, top = {5126: (4, "f", 1), 5120: (1, "b", 127), 5122: (2, "h", 32767)}[a["componentType"]]
-    count = {"VEC3": 3, "VEC4": 4}[a["type"]]
+    count = {"VEC2": 2, "VEC3": 3, "VEC4": 4}[a["type"]]
     start = view.get("byteOffset", 0) + a.get("byteOffset", 0) + index * view.get("byteStride", size * count)
     return [x if code == "f" else max(x / top, -1) for x in struct.unpack_from(f"<{count}{code}", binary, start)]
 
@@ -39,13 +39,9 @@ def octahedral(x, y):
     return unit([x, y, z])
 
 
-def lobes(document, binary, vertex, of):
+def lobes(document, binary, vertex, attributes):
     """firm-2: the visibility of a direction, from its six numbers."""
-    about = document["asset"]["extras"]["apertura"]
-    form = next(f for f in about["forms"] if f["mesh"] == of and f["primitive"] == 0)
-    view = document["bufferViews"][form["bufferView"]]
-    width, code, top = {8: (1, "b", 127), 16: (2, "h", 32767)}[about["bits"]]
-    numbers = [max(x / top, -1) for x in struct.unpack_from(f"<6{code}", binary, view.get("byteOffset", 0) + 6 * width * vertex)]
+    numbers = [n for k in (0, 1) for n in element(document, binary, attributes[f"_VISIBILITY_NUMBERS_{k}"], vertex)]
     complement, softer = numbers[2] < 0, numbers[5] < 0
     slope = 15 if softer else 60
 
@@ -82,7 +78,7 @@ def main():
         blur = (1 + math.cos(radius)) / 2
         visible = min(max((area + 3 * blur * dot(direction, towards)) / (4 * math.pi), 0), 1)
     else:
-        visible = lobes(document, binary, vertex, node["mesh"])(towards)
+        visible = lobes(document, binary, vertex, attributes)(towards)
     print(f"{unblocked * visible:.9g} {max(dot(normal, direction), 0):.9g}")
 
 
