@@ -18,7 +18,7 @@ try:
 except ImportError:
     sys.exit("apertura: matplotlib is missing (Debian: python3-matplotlib); models.csv is there, the charts are not")
 
-RADIUS = 5.0        # degrees, of the light that the charts are drawn for, where it was measured
+LINEAR_TO = 300     # cycles: an axis is linear up to here and logarithmic beyond
 BASELINES = {"unshadowed"}  # left out of the charts
 matplotlib.rcParams["svg.hashsalt"] = "apertura"  # the same bytes from the same table
 plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.25, "figure.constrained_layout.use": True})
@@ -51,7 +51,10 @@ def means(rows, radius):
             out.setdefault(name(row), []).append(row)
     def drawn(values):
         return mean(v for v in values if v is not None)
-    return {model: {key: (max if key.startswith("leak") else drawn if key == "whole_edge" else mean)(r[key] for r in found) for key in found[0] if key not in ("scene", "model", "source")}
+    def spread(values):
+        values = list(values)
+        return sum(v * v for v in values) ** 0.5 / len(values)
+    return {model: {key: (max if key.startswith("leak") else drawn if key == "whole_edge" else spread if key == "rmse_spread" else mean)(r[key] for r in found) for key in found[0] if key not in ("scene", "model", "source")}
             for model, found in out.items()}
 
 
@@ -63,6 +66,36 @@ def front(points):
             out.append((cost, error, label))
             best = error
     return out
+
+
+def place_labels(axes, labels):
+    """Writes a text beside each point where it covers no other text and no other point, or as near to that as it gets."""
+    figure = axes.figure
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    points = [axes.transData.transform((x, y)) for x, y, _, _ in labels]
+    frame, taken = axes.get_window_extent(renderer), []
+    around = ((5, 4), (5, -10), (-5, 4), (-5, -10), (0, 7), (0, -13))
+    shifts = [(dx * wide, dy * high) for high in (1, 2.2, 3.6, 5.2, 7, 9) for wide in (1, 4) for dx, dy in around]
+    for (x, y, text, colour), at in sorted(zip(labels, points), key=lambda pair: -pair[0][1]):
+        best = None
+        for rank, (dx, dy) in enumerate(shifts):
+            shown = axes.annotate(text, (x, y), xytext=(dx, dy), textcoords="offset points", fontsize=7, color=colour, va="bottom",
+                                  ha="left" if dx > 0 else "right" if dx < 0 else "center",
+                                  arrowprops={"arrowstyle": "-", "lw": 0.4, "color": "#aaa", "shrinkA": 0, "shrinkB": 2} if max(abs(dx), abs(dy)) > 13 else None)
+            box = shown.get_window_extent(renderer).expanded(1.02, 1.05)
+            overlap = sum(box.overlaps(other) for other in taken) + sum(box.contains(*p) for p in points)
+            outside = not (frame.contains(box.x0, box.y0) and frame.contains(box.x1, box.y1))
+            score = (overlap + outside, rank)
+            if best is None or score < best[0]:
+                if best:
+                    best[1].remove()
+                best = (score, shown, box)
+            else:
+                shown.remove()
+            if score[0] == 0:
+                break
+        taken.append(best[2])
 
 
 def scatter(axes, table, column, label, log=False):
@@ -77,13 +110,20 @@ def scatter(axes, table, column, label, log=False):
     for cost, error, model in points:
         colour = "tab:red" if model in chosen else "tab:gray"
         axes.plot(cost, error, "o", ms=5, color=colour, mfc="white" if table[model]["baseline"] else colour, zorder=2)
-        axes.annotate(model, (cost, error), xytext=(4, 3), textcoords="offset points", fontsize=7,
-                      color="black" if model in chosen else "dimgray")
+        if table[model]["rmse_spread"]:
+            axes.errorbar(cost, error, yerr=table[model]["rmse_spread"], color=colour, lw=0.6, zorder=1)
     noise = mean(row["noise"] for row in table.values())
     axes.axhspan(0, noise, color="tab:blue", alpha=0.2, lw=0)
     axes.set(xlabel=label, ylabel="RMSE of E / (L π sin²r)", ylim=(0, None))
-    if log:
+    if column.startswith("cycles"):
+        axes.set_xscale("symlog", linthresh=LINEAR_TO, linscale=1.5)
+        axes.set_xlim(0, 1.6 * max(p[0] for p in points))
+        ticks = [0, 50, 100, 150, 200, 250, 300] + [t for t in (500, 1000, 2000, 4000) if t < 1.6 * max(p[0] for p in points)]
+        axes.set_xticks(ticks, [str(t) for t in ticks])
+        axes.minorticks_off()
+    elif log:
         axes.set_xscale("log")
+    place_labels(axes, [(cost, error, model, "black" if model in chosen else "dimgray") for cost, error, model in points])
     return best
 
 
@@ -104,7 +144,7 @@ def cost_charts(rows, radius, folder):
     for column, label, log in costs:
         figure, axes = plt.subplots(figsize=(7.5, 4.6))
         fronts[column] = scatter(axes, table, column, label, log)
-        axes.set_title(f"Light radius {radius:g}°, mean over the scenes; red: nothing is cheaper and better; hollow: rivals", fontsize=8)
+        axes.set_title(f"Light radius {radius:g}°, mean over the scenes; red: nothing is cheaper and better; hollow: rivals; bars: what other receivers change", fontsize=8)
         save(figure, folder, "error-" + column.replace("_", "-"))
     return table, fronts
 
@@ -204,15 +244,20 @@ def radius_chart(rows, folder):
     radii = sorted({r["light_radius_deg"] for r in rows})
     figure, axes = plt.subplots(figsize=(7.5, 4.6))
     tables = [means(rows, radius) for radius in radii]
-    for model in tables[0]:
-        if model in BASELINES:
-            continue
-        line, = axes.plot(radii, [t[model]["rmse"] for t in tables], "-o", ms=3, lw=1)
-        axes.annotate(model, (radii[-1], tables[-1][model]["rmse"]), xytext=(4, -2), textcoords="offset points", fontsize=6,
-                      color=line.get_color())
+    colours = [plt.get_cmap("tab20")(k) for k in list(range(0, 20, 2)) + list(range(1, 20, 2))]
+    for k, model in enumerate(m for m in tables[0] if m not in BASELINES):
+        axes.plot(radii, [t[model]["rmse"] for t in tables], "-o" if k < len(colours) else "--s", ms=3, lw=1, color=colours[k % len(colours)],
+                  label=model)
+    # From the top as the lines end, so that the eye finds them.
+    handles, names = axes.get_legend_handles_labels()
+    order = sorted(range(len(names)), key=lambda i: -tables[-1][names[i]]["rmse"])
     axes.plot(radii, [mean(row["noise"] for row in t.values()) for t in tables], "k:", lw=1, label="the truth's own noise")
     axes.set(xlabel="light radius, degrees", ylabel="RMSE of E / (L π sin²r)", xscale="log", ylim=(0, None))
-    axes.legend(fontsize=7)
+    axes.set_xticks(radii, [f"{r:g}" for r in radii])
+    axes.minorticks_off()
+    noise = axes.legend(fontsize=7, handles=[axes.lines[-1]], loc="upper right")
+    axes.add_artist(noise)
+    axes.legend([handles[i] for i in order], [names[i] for i in order], fontsize=6, loc="upper left", bbox_to_anchor=(1.01, 1.01))
     axes.set_title("Error by the size of the light, mean over the scenes", fontsize=9)
     save(figure, folder, "error-by-radius")
 
@@ -260,7 +305,7 @@ def conclusions(rows, radius, tolerance=0.05):
     return out
 
 
-COLUMNS = [("numbers", "numbers", 2), ("bytes", "bytes", 2), ("rmse", "RMSE", 4), ("whole_rmse", "whole RMSE", 4), ("bias", "bias", 4), ("max", "max", 3),
+COLUMNS = [("numbers", "numbers", 2), ("bytes", "bytes", 2), ("rmse", "RMSE", 4), ("rmse_spread", "± over seeds", 4), ("whole_rmse", "whole RMSE", 4), ("bias", "bias", 4), ("max", "max", 3),
            ("ambient_rmse", "sky RMSE", 4), ("ambient_unbounced", "of a sky that bounces, without", 4), ("ambient_bounced", "with bounces", 4), ("whole_ambient", "whole sky RMSE", 4), ("whole_mottle", "mottle", 4), ("whole_edge", "edge width / truth's", 1), ("leak_max", "leak max", 3), ("leak_99", "leak 99 %", 3), ("cycles_navi21", "cycles a light, RDNA2", 0), ("cycles_pixel_navi21", "a pixel, RDNA2", 0),
            ("cycles_lit_navi21", "a pixel of lit vertices, RDNA2", 0), ("cycles_polaris10", "a light, GCN4", 0), ("cycles_pixel_polaris10", "a pixel, GCN4", 0),
            ("time_ratio", "time of a light / N·L", 2), ("frame_ratio", "time of a frame / N·L", 2), ("bake_ratio", "bake / sh", 2), ("fits_per_second", "fits/s", 0)]
@@ -297,17 +342,30 @@ TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>Apertura: error against cost</title><style>
 body { font: 15px/1.5 sans-serif; margin: 2em auto; max-width: 1100px; padding: 0 1em; color: #222 }
 table { border-collapse: collapse; font-size: 13px } td, th { padding: 2px 8px; text-align: right; border-bottom: 1px solid #ddd }
-td:first-child, td:nth-child(2), th:first-child, th:nth-child(2) { text-align: left }
+td:first-child, td:nth-child(2), th:first-child, th:nth-child(2) { text-align: left; vertical-align: top }
 #all th { cursor: pointer; position: sticky; top: 0; background: #f3f3f3 } #all th[data-order]::after { content: " \\25B2" }
 #all th[data-order="-1"]::after { content: " \\25BC" }
 figure { margin: 1.5em 0 } img { max-width: 100% } figcaption { color: #666; font-size: 13px } input { width: 22em }
 </style></head><body>
 <h1>Error against cost</h1>
-<p>Made by <code>apertura chart</code> @VERSION@ on @DATE@; @RECEIVERS@ receivers a scene. RMSE is of E / (L π sin²r) against
-ray-traced truth, made at the receivers themselves; whole, interpolated between the samples of an asset, as are mottle (RMS of the error less its own mean within two edges of the mesh or cells of samples, where truth is even) and the width of drawn shadow edges over that of truth's own. Cycles are what Mesa's compiler states for one wave of each Radeon, above N·L with no visibility: of one evaluation of a
-light; of a pixel under one light and the sky, with all that it fetches, at three corners where a model does not mix; and of a pixel of
-which the vertices were lit before. Times are of @DEVICE@, a frame being 960 × 540 pixels of the statue, under the light that the charts are
-of. Hollow points are rivals, as their authors would make them, and methods as published; their bytes are those that they need alone.</p>
+<p>Made by <code>apertura chart</code> @VERSION@ on @DATE@; @RECEIVERS@ receivers a scene. Every error is of E / (L π sin²r): what a light of
+radiance L and angular radius r gives a surface, as a share of what it gives one that faces it, unblocked; against ray-traced truth. Hollow
+points are rivals, as their authors would make them, and methods as published; their bytes are those that they need alone.</p>
+<table>
+<tr><td>RMSE</td><td>of a model made at the receivers themselves: over receivers and 96 directions of the light</td></tr>
+<tr><td>± over seeds</td><td>how much of it other receivers would change: its standard deviation, from how those of this run differ</td></tr>
+<tr><td>whole RMSE</td><td>interpolated between the samples of an asset, as it is drawn</td></tr>
+<tr><td>bias, max</td><td>the mean of the error, above 0 where a model is too bright; the largest at any receiver and direction</td></tr>
+<tr><td>sky RMSE</td><td>of the light of an even sky, over π; with bounces: where that light goes on from surface to surface</td></tr>
+<tr><td>mottle</td><td>RMS of the error less its own mean within two edges of the mesh or cells of samples, where truth is even: what looks like speckle</td></tr>
+<tr><td>edge width</td><td>of drawn shadow edges over that of truth's own</td></tr>
+<tr><td>leak max, 99 %</td><td>the light that comes through where truth is blocked altogether: the most, and what one in a hundred exceeds, in the worst scene</td></tr>
+<tr><td>cycles</td><td>as Mesa's compiler states them for one wave of each Radeon, above N·L with no visibility: of one evaluation of a light; of a pixel
+under one light and the sky, with all that it fetches, at three corners where a model does not mix; and of a pixel of which the vertices were
+lit before</td></tr>
+<tr><td>time</td><td>of @DEVICE@, over that of N·L: of an evaluation; of a frame of 960 × 540 pixels of the statue under the light that the charts are of</td></tr>
+<tr><td>bake / sh, fits/s</td><td>time to bake a vertex over that of the four numbers, 256 rays; points that are fitted in a second, on one core</td></tr>
+</table>
 <h2>Which model for which scene</h2>
 <p>Light radius @RADIUS@°: the fewest numbers a point within an RMSE of 0.05, and the best of all.</p>
 <table><tr><th>scene</th><th>least</th><th>best</th></tr>@ADVICE@</table>
@@ -373,8 +431,7 @@ def main():
     rows, maps = read(folder / "models.csv"), read(folder / "maps.csv")
     about = json.loads((folder / "about.json").read_text())
     date = datetime.date.today().isoformat()
-    radii = sorted({r["light_radius_deg"] for r in rows})
-    radius = RADIUS if RADIUS in radii else radii[len(radii) // 2]
+    radius = about["headline"]
     table, fronts = cost_charts(rows, radius, folder)
     scene_chart(rows, radius, folder)
     radius_chart(rows, folder)

@@ -28,11 +28,12 @@ struct Arguments {
     std::vector<std::string> scenes;
     std::string out;
     std::vector<std::string> models, whole;
+    double headline = 0;  // degrees; 0: 5 or the middle
     SceneOptions reading;
     MeasureOptions measure;
 };
 
-constexpr double kMapRadius = 5;  // degrees, light radius of the error maps and of the frames
+constexpr double kHeadline = 5;  // degrees, light radius of the charts, the error maps and the frames
 
 // Cost of a recipe, with 256 rays per vertex and one thread: baking time per vertex as a multiple of that of `sh`, and
 // points per second of the fit alone.
@@ -116,6 +117,15 @@ void addWholeErrors(const Scene& scene, const std::vector<const Model*>& models,
 // The class of formulas for a light of so many degrees.
 int classOf(double degrees) { return lightClassOf(float(std::sin(degrees * std::numbers::pi / 180))); }
 
+// What other receivers would change of a row's RMSE: its standard deviation over seeds, from that of the squares of this seed's receivers.
+double spreadOf(const MeasureRow& row) {
+    const double n = double(row.receiverRmse.size());
+    if (n < 2 || row.rmse <= 0) return 0;
+    double mean = 0, squares = 0;
+    for (const float e : row.receiverRmse) mean += double(e) * e / n, squares += std::pow(double(e), 4) / n;
+    return std::sqrt(std::max(squares - mean * mean, 0.0) / (n - 1)) / (2 * row.rmse);
+}
+
 // The same model's row made from rays, beside that from the coefficients: they are equal.
 bool isRepeated(const MeasureRow& row) {
     const Model* model = findModel(row.model);
@@ -126,7 +136,8 @@ std::string toCsv(const std::vector<Measurement>& all, const WholeErrors& whole,
                   const std::map<std::string, BakeCost>& baking) {
     std::ostringstream out;
     out.precision(6);
-    out << "scene,model,source,baseline,numbers,bytes,light_radius_deg,rmse,bias,max,rms_truth,noise,ambient_rmse,ambient_unbounced,"
+    out << "scene,model,source,baseline,numbers,bytes,light_radius_deg,rmse,rmse_spread,bias,max,rms_truth,noise,ambient_rmse,ambient_"
+           "unbounced,"
            "ambient_bounced,leak_max,leak_99,"
            "whole_rmse,whole_ambient,whole_mottle,whole_edge";
     for (const char* family : kFamilies) out << ",cycles_" << family << ",cycles_pixel_" << family << ",cycles_lit_" << family;
@@ -141,8 +152,9 @@ std::string toCsv(const std::vector<Measurement>& all, const WholeErrors& whole,
             if (isRepeated(r)) continue;
             const Model* model = findModel(r.model);
             out << inQuotes(m.scene) << ',' << r.model << ',' << r.source << ',' << (!model || model->baseline) << ',' << r.numbers << ','
-                << r.bytes << ',' << r.lightRadius << ',' << r.rmse << ',' << r.bias << ',' << r.max << ',' << r.rmsTruth << ',' << r.noise
-                << ',' << r.ambient << ',' << r.unbounced << ',' << r.bounced << ',' << r.leakMax << ',' << r.leak99 << ',';
+                << r.bytes << ',' << r.lightRadius << ',' << r.rmse << ',' << spreadOf(r) << ',' << r.bias << ',' << r.max << ','
+                << r.rmsTruth << ',' << r.noise << ',' << r.ambient << ',' << r.unbounced << ',' << r.bounced << ',' << r.leakMax << ','
+                << r.leak99 << ',';
             if (const auto found = whole.find({m.scene, r.model, r.source, r.lightRadius}); found != whole.end()) {
                 const WholeError& error = found->second;
                 out << error.rmse << ',' << error.ambient << ',';
@@ -174,11 +186,11 @@ std::string toCsv(const std::vector<Measurement>& all, const WholeErrors& whole,
 }
 
 // CSV for the error maps: for each model the scene with its largest error, with the receivers' positions and errors.
-std::string toMaps(const std::vector<Measurement>& all) {
+std::string toMaps(const std::vector<Measurement>& all, double headline) {
     std::map<std::pair<std::string, std::string>, std::pair<const Measurement*, const MeasureRow*>> worst;
     for (const Measurement& m : all)
         for (const MeasureRow& r : m.rows) {
-            if (r.lightRadius != kMapRadius || isRepeated(r)) continue;
+            if (r.lightRadius != headline || isRepeated(r)) continue;
             auto& [scene, row] = worst[{r.model, r.source}];
             if (!row || r.rmse > row->rmse) scene = &m, row = &r;
         }
@@ -191,6 +203,11 @@ std::string toMaps(const std::vector<Measurement>& all) {
                 << ',' << m->positions[i].z << ',' << row->receiverRmse[i] << '\n';
     }
     return out.str();
+}
+
+std::vector<double> sorted(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values;
 }
 
 void run(Arguments a) {
@@ -208,6 +225,11 @@ void run(Arguments a) {
         if (!isHeightMap(name)) own.heights = {};  // those are for the maps among them
         scenes.push_back(own.load(name, isHeightMap(name) ? Coordinates::Read : Coordinates::Ignore));
     }
+    const std::vector<double>& radii = a.measure.lightRadii;
+    if (a.headline > 0 && std::find(radii.begin(), radii.end(), a.headline) == radii.end())
+        throw CLI::ValidationError("--headline: " + std::to_string(a.headline) + " is not one of --light-radii");
+    const bool hasUsual = std::find(radii.begin(), radii.end(), kHeadline) != radii.end();
+    const double headline = a.headline > 0 ? a.headline : hasUsual ? kHeadline : sorted(radii)[radii.size() / 2];
     std::error_code failed;
     std::filesystem::create_directories(a.out, failed);
     if (failed || !std::filesystem::is_directory(a.out)) throw Error(a.out + ": is not a folder, and cannot be made one");
@@ -227,9 +249,11 @@ void run(Arguments a) {
     std::vector<int> classes;
     for (const double radius : a.measure.lightRadii)
         if (const int c = classOf(radius); std::find(classes.begin(), classes.end(), c) == classes.end()) classes.push_back(c);
-    std::fprintf(stderr, "apertura: compiling every model for two Radeons and this machine's device, which takes a minute or two\n");
-    const Costs costs = measureCosts(
-        asked, classes, std::count(classes.begin(), classes.end(), classOf(kMapRadius)) ? classOf(kMapRadius) : classes.front());
+    Costs costs;
+    {
+        ProgressBar bar("compiling for two Radeons and this machine's device");
+        costs = measureCosts(asked, classes, classOf(headline), bar.callback());
+    }
     std::vector<Measurement> all;
     WholeErrors whole;
     std::vector<PlaceRow> places;
@@ -248,11 +272,13 @@ void run(Arguments a) {
     }
     if (interrupted()) throw Cancelled{};
     writeTextFile(csv, toCsv(all, whole, costs, baking));
-    writeTextFile(maps, toMaps(all));
+    writeTextFile(maps, toMaps(all, headline));
     writeTextFile(a.out + "/places.csv", toCsv(places));
-    writeTextFile(
-        about,
-        nlohmann::ordered_json{{"version", APERTURA_VERSION}, {"receivers", all[0].receivers}, {"device", costs.device}}.dump() + "\n");
+    writeTextFile(about,
+                  nlohmann::ordered_json{
+                      {"version", APERTURA_VERSION}, {"receivers", all[0].receivers}, {"device", costs.device}, {"headline", headline}}
+                          .dump()
+                      + "\n");
     drawCharts(script, a.out, "the table models.csv is there, the charts are not");
     std::printf("%s/index.html: %zu scenes, %d receivers each\n", a.out.c_str(), all.size(), all[0].receivers);
 }
@@ -287,6 +313,9 @@ void addChartCommand(CLI::App& program) {
         ->delimiter(',')
         ->check(finiteRange(0.01, 45.0))
         ->type_name("D,D,...");
+    command.add_option("--headline", a->headline, "degrees, one of --light-radii, that the charts are drawn for [5, else the middle one]")
+        ->check(finiteRange(0.01, 45.0))
+        ->type_name("D");
     command.add_option("--receivers", a->measure.receivers, "points on each scene's surface [200]")
         ->check(CLI::Range(1, 1000000))
         ->type_name("N");

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <numbers>
+#include <thread>
 
 #include "apertura/bake/fit/bake.h"
 #include "apertura/bake/sampling/directions.h"
@@ -52,45 +55,94 @@ std::map<CostKey, int> aboveFirst(std::span<const CostKey> keys, const std::vect
 
 namespace {
 
-// Cycles on one family of Radeons, compiled in a child process: Mesa takes the GPU to compile for, which need not exist, from the
-// environment.
-class FamilyCosts {
+// Work for child processes, as many at a time as there are cores: compilers use one.
+class Jobs {
 public:
-    FamilyCosts(const char* family, const std::string& driver, std::span<const Model* const> asked, std::span<const int> lightClasses)
-        : keys_(keysOf(asked, lightClasses, false)),
-          drawn_(keysOf(asked, lightClasses, true)),
-          classes_(lightClasses.size()),
-          work_("RADV", {1800, 0x1p32}, [&](PipeWriter& out) {
-              setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
-              setenv("VK_DRIVER_FILES", driver.c_str(), 1);
-              setenv("RADV_FORCE_FAMILY", family, 1);
-              const Gpu gpu({.statistics = true});
-              std::vector<CostCase> lightCases;
-              std::vector<PixelCase> pixelCases, litCases;
-              for (const CostKey& key : keys_) lightCases.push_back({key.first, key.second});
-              for (const CostKey& key : drawn_) pixelCases.push_back({modelOf(key), key.second});
-              for (const CostKey& key : keys_)
-                  litCases.push_back(
-                      {modelOf(key), key.second, key.first == APERTURA_MODEL_UNSHADOWED ? LightAt::Pixels : LightAt::Vertices});
-              out.put(compiledCosts(gpu, lightCases));
-              out.put(compiledPixelCosts(gpu, pixelCases));
-              out.put(compiledPixelCosts(gpu, litCases));
-          }) {}
+    // `work` runs in the child; `receive`, here, on what it sends.
+    void add(std::function<void(PipeWriter&)> work, std::function<void(PipeReader&)> receive) {
+        jobs_.push_back({std::move(work), std::move(receive)});
+    }
 
-    Cycles finish() {
-        std::vector<CompiledCost> light, pixel, lit;
-        work_.finish([&](PipeReader& in) {
-            light = in.take<CompiledCost>();
-            pixel = in.take<CompiledCost>();
-            lit = in.take<CompiledCost>();
-        });
-        return {aboveFirst(keys_, light, classes_), aboveFirst(drawn_, pixel, classes_), aboveFirst(keys_, lit, classes_)};
+    // Throws Error as the work does, and Cancelled.
+    void run(const char* name, const Progress& progress) {
+        std::deque<std::pair<size_t, std::unique_ptr<IsolatedWork>>> running;
+        const size_t most = std::max(1u, std::thread::hardware_concurrency());
+        for (size_t next = 0, done = 0; done < jobs_.size(); ++done) {
+            for (; next < jobs_.size() && running.size() < most; ++next)
+                running.emplace_back(next, std::make_unique<IsolatedWork>(name, ResourceLimits{1800, 0x1p32}, jobs_[next].work));
+            running.front().second->finish(jobs_[running.front().first].receive);
+            running.pop_front();
+            if (progress && !progress(double(done + 1) / double(jobs_.size()))) throw Cancelled{};
+        }
     }
 
 private:
+    struct Job {
+        std::function<void(PipeWriter&)> work;
+        std::function<void(PipeReader&)> receive;
+    };
+    std::vector<Job> jobs_;
+};
+
+constexpr size_t kTogether = 12;  // cases that a child compiles
+
+// Calls use(cases, where) on groups of the cases: `where` is the index of the first.
+template <typename Case>
+void inGroups(const std::vector<Case>& cases, const std::function<void(std::vector<Case>, size_t)>& use) {
+    for (size_t from = 0; from < cases.size(); from += kTogether) {
+        const size_t to = std::min(from + kTogether, cases.size());
+        use({cases.begin() + ptrdiff_t(from), cases.begin() + ptrdiff_t(to)}, from);
+    }
+}
+
+// Cycles on one family of Radeons, compiled in child processes: Mesa takes the GPU to compile for, which need not exist, from the
+// environment.
+class FamilyCosts {
+public:
+    FamilyCosts(std::span<const Model* const> asked, std::span<const int> lightClasses)
+        : keys_(keysOf(asked, lightClasses, false)), drawn_(keysOf(asked, lightClasses, true)), classes_(lightClasses.size()) {}
+
+    // Adds what is to be compiled; this must outlive the run.
+    void addTo(Jobs& jobs, const std::string& family, const std::string& driver) {
+        std::vector<CostCase> lightCases;
+        std::vector<PixelCase> pixelCases, litCases;
+        for (const CostKey& key : keys_) lightCases.push_back({key.first, key.second});
+        for (const CostKey& key : drawn_) pixelCases.push_back({modelOf(key), key.second});
+        for (const CostKey& key : keys_)
+            litCases.push_back({modelOf(key), key.second, key.first == APERTURA_MODEL_UNSHADOWED ? LightAt::Pixels : LightAt::Vertices});
+        add<CostCase>(jobs, family, driver, lightCases, compiledCosts, light_);
+        add<PixelCase>(jobs, family, driver, pixelCases, compiledPixelCosts, pixel_);
+        add<PixelCase>(jobs, family, driver, litCases, compiledPixelCosts, lit_);
+    }
+
+    // After the run.
+    Cycles cycles() const {
+        return {aboveFirst(keys_, light_, classes_), aboveFirst(drawn_, pixel_, classes_), aboveFirst(keys_, lit_, classes_)};
+    }
+
+private:
+    template <typename Case>
+    static void add(Jobs& jobs, const std::string& family, const std::string& driver, const std::vector<Case>& cases,
+                    std::vector<CompiledCost> (*compile)(const Gpu&, std::span<const Case>), std::vector<CompiledCost>& out) {
+        out.resize(cases.size());
+        inGroups<Case>(cases, [&](std::vector<Case> group, size_t where) {
+            jobs.add(
+                [=](PipeWriter& to) {
+                    setenv("VK_ICD_FILENAMES", driver.c_str(), 1);
+                    setenv("VK_DRIVER_FILES", driver.c_str(), 1);
+                    setenv("RADV_FORCE_FAMILY", family.c_str(), 1);
+                    to.put(compile(Gpu({.statistics = true}), group));
+                },
+                [&out, where](PipeReader& from) {
+                    const std::vector<CompiledCost> own = from.take<CompiledCost>();
+                    std::copy(own.begin(), own.end(), out.begin() + ptrdiff_t(where));
+                });
+        });
+    }
+
     std::vector<CostKey> keys_, drawn_;
     size_t classes_;
-    IsolatedWork work_;
+    std::vector<CompiledCost> light_, pixel_, lit_;
 };
 
 std::string requireRadeonDriver() {
@@ -102,7 +154,11 @@ std::string requireRadeonDriver() {
 }  // namespace
 
 Cycles cyclesOn(const char* family, std::span<const Model* const> asked, std::span<const int> lightClasses) {
-    return FamilyCosts(family, requireRadeonDriver(), asked, lightClasses).finish();
+    FamilyCosts costs(asked, lightClasses);
+    Jobs jobs;
+    costs.addTo(jobs, family, requireRadeonDriver());
+    jobs.run("RADV", {});
+    return costs.cycles();
 }
 
 namespace {
@@ -160,23 +216,31 @@ std::map<CostKey, double> frameTimes(const Gpu& gpu, std::span<const Model* cons
 
 }  // namespace
 
-Costs measureCosts(std::span<const Model* const> asked, std::span<const int> lightClasses, int frameClass) {
+Costs measureCosts(std::span<const Model* const> asked, std::span<const int> lightClasses, int frameClass, const Progress& progress) {
     Costs out;
+    const std::vector<CostKey> keys = keysOf(asked, lightClasses, false);
+    std::vector<CostCase> cases;
+    for (const CostKey& key : keys) cases.push_back({key.first, key.second});
     try {
-        // Side by side.
         const std::string driver = requireRadeonDriver();
-        std::map<std::string, std::unique_ptr<FamilyCosts>> running;
-        for (const char* family : kFamilies) running[family] = std::make_unique<FamilyCosts>(family, driver, asked, lightClasses);
-        for (auto& [family, costs] : running) out.cycles[family] = costs->finish();
+        std::map<std::string, FamilyCosts> families;
+        Jobs jobs;
+        for (const char* family : kFamilies) families.try_emplace(family, asked, lightClasses).first->second.addTo(jobs, family, driver);
+        jobs.run("RADV", part(progress, 0, 0.6));
+        for (const auto& [family, costs] : families) out.cycles[family] = costs.cycles();
     } catch (const Error& e) {
         out.cycles.clear();
         std::fprintf(stderr, "apertura: no GPU cycles, their columns stay empty: %s\n", e.what());
     }
     try {
+        // This machine's device compiles what it first runs, one case after another. In children it does so side by side, and Mesa keeps
+        // what they made on disk, where this process finds it.
+        Jobs jobs;
+        inGroups<CostCase>(cases, [&](std::vector<CostCase> group, size_t) {
+            jobs.add([=](PipeWriter& to) { to.put(measuredCosts(Gpu(), group, 64, 1)); }, [](PipeReader& from) { from.take<double>(); });
+        });
+        jobs.run("Vulkan", part(progress, 0.6, 0.9));
         const Gpu gpu;
-        const std::vector<CostKey> keys = keysOf(asked, lightClasses, false);
-        std::vector<CostCase> cases;
-        for (const CostKey& key : keys) cases.push_back({key.first, key.second});
         const std::vector<double> seconds = measuredCosts(gpu, cases, 1 << 16, 5);
         for (size_t i = 0; i < keys.size(); ++i) out.time[keys[i]] = seconds[i] / seconds[i % lightClasses.size()];
         out.frame = frameTimes(gpu, asked, frameClass);
@@ -184,6 +248,7 @@ Costs measureCosts(std::span<const Model* const> asked, std::span<const int> lig
     } catch (const Error& e) {
         std::fprintf(stderr, "apertura: no times of a device, their columns stay empty: %s\n", e.what());
     }
+    if (progress) progress(1);
     return out;
 }
 

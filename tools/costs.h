@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apertura/bake/sampling/progress.h"
 #include "apertura/runtime/render/cost.h"
 
 namespace apertura {
@@ -36,6 +37,7 @@ Cycles cyclesOn(const char* family, std::span<const Model* const> models, std::s
 
 // Costs of the models, of N.L and of a shadow map, in these classes of lights (APERTURA_LIGHTS_...); frames in one class alone. What cannot
 // be measured on this machine is left out, and said.
-Costs measureCosts(std::span<const Model* const> models, std::span<const int> lightClasses, int frameClass);
+// Compiles in child processes: no other thread may be at work in this one. Throws Cancelled.
+Costs measureCosts(std::span<const Model* const> models, std::span<const int> lightClasses, int frameClass, const Progress& progress = {});
 
 }  // namespace apertura
