@@ -15,6 +15,7 @@ try:
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.text import Text
 except ImportError:
     sys.exit("apertura: matplotlib is missing (Debian: python3-matplotlib); models.csv is there, the charts are not")
 
@@ -83,7 +84,8 @@ def place_labels(axes, labels):
             shown = axes.annotate(text, (x, y), xytext=(dx, dy), textcoords="offset points", fontsize=7, color=colour, va="bottom",
                                   ha="left" if dx > 0 else "right" if dx < 0 else "center",
                                   arrowprops={"arrowstyle": "-", "lw": 0.4, "color": "#aaa", "shrinkA": 0, "shrinkB": 2} if max(abs(dx), abs(dy)) > 13 else None)
-            box = shown.get_window_extent(renderer).expanded(1.02, 1.05)
+            shown.update_positions(renderer)
+            box = Text.get_window_extent(shown, renderer).expanded(1.02, 1.05)  # without its line
             overlap = sum(box.overlaps(other) for other in taken) + sum(box.contains(*p) for p in points)
             outside = not (frame.contains(box.x0, box.y0) and frame.contains(box.x1, box.y1))
             score = (overlap + outside, rank)
@@ -142,7 +144,7 @@ def cost_charts(rows, radius, folder):
              ("bake_ratio", "bake time / four SH coefficients, 256 rays", True)]
     fronts = {}
     for column, label, log in costs:
-        figure, axes = plt.subplots(figsize=(7.5, 4.6))
+        figure, axes = plt.subplots(figsize=(8.5, 5.6))
         fronts[column] = scatter(axes, table, column, label, log)
         axes.set_title(f"Light radius {radius:g}°, mean over the scenes; red: nothing is cheaper and better; hollow: rivals; bars: what other receivers change", fontsize=8)
         save(figure, folder, "error-" + column.replace("_", "-"))
