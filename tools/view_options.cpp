@@ -70,7 +70,7 @@ void ViewOptions::addTo(CLI::App& command) {
     command
         .add_option(
             "--sky", sky,
-            "the sky: one colour, sRGB, or an equirectangular picture, .exr or .hdr in W/m2/sr: its middle is north (-Z), to its right "
+            "the sky: one colour, sRGB, of which ffffff is 1 W/m2/sr, or an equirectangular picture, .exr or .hdr in W/m2/sr: its middle is north (-Z), to its right "
             "lies east (+X), its top row is up [5d7cac]")
         ->type_name("RRGGBB|FILE");
     command
