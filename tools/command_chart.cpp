@@ -227,7 +227,7 @@ void run(Arguments a) {
     }
     const std::vector<double>& radii = a.measure.lightRadii;
     if (a.headline > 0 && std::find(radii.begin(), radii.end(), a.headline) == radii.end())
-        throw CLI::ValidationError("--headline: " + std::to_string(a.headline) + " is not one of --light-radii");
+        throw CLI::ValidationError((std::ostringstream() << "--headline: " << a.headline << " is not one of --light-radii").str());
     const bool hasUsual = std::find(radii.begin(), radii.end(), kHeadline) != radii.end();
     const double headline = a.headline > 0 ? a.headline : hasUsual ? kHeadline : sorted(radii)[radii.size() / 2];
     std::error_code failed;
@@ -325,7 +325,10 @@ void addChartCommand(CLI::App& program) {
     command.add_option("--seed", a->measure.seed, "of the receivers and the rays [1]")->type_name("S");
     command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     a->reading.addTo(command);
-    command.callback([a] { run(*a); });
+    command.callback([a, &command] {
+        if (command.count("--tolerance") > 0) requireAuto(a->models);
+        run(*a);
+    });
 }
 
 }  // namespace apertura

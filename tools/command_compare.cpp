@@ -207,7 +207,8 @@ void addCompareCommand(CLI::App& program) {
     command.add_option("--threads", a->measure.threads, "[all cores]")->check(CLI::Range(1, 1024))->type_name("T");
     command.add_option("--json", a->json, "write the table here too")->type_name("OUT");
     a->reading.addTo(command);
-    command.callback([a] {
+    command.callback([a, &command] {
+        if (command.count("--tolerance") > 0) requireAuto(a->models);
         if (!a->albedo.empty() && a->measure.bounces == 0) throw CLI::ValidationError("--albedo is for --bounces");
         if (!a->albedo.empty()) a->measure.albedo = {*albedoIn(a->albedo), true};
         run(*a);

@@ -45,6 +45,9 @@ std::string modelNames();
 // CLI::ValidationError for a name that is no model's.
 std::vector<const Model*> parseModels(const std::vector<std::string>& names, bool& shadowMap);
 
+// For --tolerance: throws CLI::ValidationError unless auto is among these models, or all are meant because the list is empty.
+void requireAuto(const std::vector<std::string>& models);
+
 // The finite numbers of a text such as "1,2.5,3"; empty if it is anything else.
 std::vector<double> parseNumbers(const std::string& text, char separator);
 
@@ -72,8 +75,9 @@ void printNotes(const std::vector<std::string>& notes);
 // Throws CLI::ValidationError if writing `out` would replace `in`.
 void refuseToReplaceInput(const std::string& in, const std::string& out);
 
-// Parses "2.5x3", or "2.5" for two equal numbers. Throws CLI::ValidationError unless they are above 0.
-void parsePair(const std::string& text, double& first, double& second);
+// Parses "2.5x3", or "2.5" for two equal numbers. Throws CLI::ValidationError, which begins with the option's name, unless they are above
+// 0.
+void parsePair(const std::string& option, const std::string& text, double& first, double& second);
 
 // An albedo A or R,G,B, each 0..1; nothing if the text is neither.
 std::optional<glm::vec3> albedoIn(const std::string& text);

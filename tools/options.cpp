@@ -72,6 +72,11 @@ std::vector<const Model*> parseModels(const std::vector<std::string>& names, boo
     return out;
 }
 
+void requireAuto(const std::vector<std::string>& models) {
+    if (!models.empty() && std::find(models.begin(), models.end(), "auto") == models.end())
+        throw CLI::ValidationError("--tolerance is for the model auto, which is not among --models");
+}
+
 void printNotes(const std::vector<std::string>& notes) {
     for (const std::string& note : notes) std::printf("  %s\n", printable(note).c_str());
 }
@@ -101,10 +106,10 @@ std::vector<double> parseNumbers(const std::string& text, char separator) {
     }
 }
 
-void parsePair(const std::string& text, double& first, double& second) {
+void parsePair(const std::string& option, const std::string& text, double& first, double& second) {
     const std::vector<double> numbers = parseNumbers(text, 'x');
     const bool right = (numbers.size() == 1 || numbers.size() == 2) && numbers.front() > 0 && numbers.back() > 0;
-    if (!right) throw CLI::ValidationError("'" + text + "' is not a positive number, nor two of them as in 2x3");
+    if (!right) throw CLI::ValidationError(option + ": '" + text + "' is not a positive number, nor two of them as in 2x3");
     first = numbers.front();
     second = numbers.back();
 }
@@ -113,7 +118,7 @@ void addHeightMapOptions(CLI::App& command, HeightMapOptions& options) {
     const char* group = "Height maps";
     command
         .add_option_function<std::string>(
-            "--spacing", [&options](const std::string& text) { parsePair(text, options.spacingX, options.spacingZ); },
+            "--spacing", [&options](const std::string& text) { parsePair("--spacing", text, options.spacingX, options.spacingZ); },
             "metres of ground between texels, or EASTxSOUTH [as a GeoTIFF says, else 1]")
         ->type_name("M")
         ->group(group);

@@ -68,10 +68,10 @@ void ViewOptions::addTo(CLI::App& command) {
     command.add_option("--sun-radius", radius, "degrees [0.27]")->check(finiteRange(0.01, 45.0))->type_name("D");
     command.add_flag("--no-sun", noSun, "only other lights and the sky");
     command
-        .add_option(
-            "--sky", sky,
-            "the sky: one colour, sRGB, of which ffffff is 1 W/m2/sr, or an equirectangular picture, .exr or .hdr in W/m2/sr: its middle is north (-Z), to its right "
-            "lies east (+X), its top row is up [5d7cac]")
+        .add_option("--sky", sky,
+                    "the sky: one colour, sRGB, of which ffffff is 1 W/m2/sr, or an equirectangular picture, .exr or .hdr in W/m2/sr: its "
+                    "middle is north (-Z), to its right "
+                    "lies east (+X), its top row is up [5d7cac]")
         ->type_name("RRGGBB|FILE");
     command
         .add_option("--background", background,
@@ -119,7 +119,7 @@ void ViewOptions::addTo(CLI::App& command) {
         ->type_name("clamp|neutral");
     command
         .add_option_function<std::string>(
-            "--size", [this](const std::string& text) { parsePair(text, width, height); }, "pixels [960x540]")
+            "--size", [this](const std::string& text) { parsePair("--size", text, width, height); }, "pixels [960x540]")
         ->type_name("WxH");
     command.add_option("--camera", camera, "eye, target and vertical field of view in degrees [the file's own, or all of it]")
         ->type_name("EX,EY,EZ,TX,TY,TZ[,FOV]");

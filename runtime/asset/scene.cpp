@@ -75,22 +75,38 @@ Camera viewOf(const Scene& scene, double aspect) {
     const glm::dvec3 back = glm::normalize(glm::dvec3(0.45, 0.55, 1));
     const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back)), up = glm::cross(back, right);
     const double rise = std::tan(camera.verticalFov / 2.0) * kFilled, run = rise * aspect;
+    const auto eachPoint = [&](const auto& visit) {
+        for (const Instance& instance : scene.instances)
+            for (const glm::vec3& position : scene.surfaces[size_t(instance.surface)].positions) {
+                const glm::dvec3 p = worldPosition(instance, position);
+                visit(glm::dot(p, right), glm::dot(p, up), glm::dot(p, back));
+            }
+    };
     // A point is in the picture if |x - x0| <= run (z0 - z), and as much along y, of an eye at (x0, y0, z0): each side is the largest of
     // one sum over all points, and the eye stands where two opposite ones meet.
     double most[4] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, nearest = -HUGE_VAL, farthest = HUGE_VAL;
-    for (const Instance& instance : scene.instances)
-        for (const glm::vec3& position : scene.surfaces[size_t(instance.surface)].positions) {
-            const glm::dvec3 p = worldPosition(instance, position);
-            const double x = glm::dot(p, right), y = glm::dot(p, up), z = glm::dot(p, back);
-            const double sides[4] = {run * z + x, run * z - x, rise * z + y, rise * z - y};
-            for (int k = 0; k < 4; ++k) most[k] = std::max(most[k], sides[k]);
-            nearest = std::max(nearest, z), farthest = std::min(farthest, z);
-        }
+    eachPoint([&](double x, double y, double z) {
+        const double sides[4] = {run * z + x, run * z - x, rise * z + y, rise * z - y};
+        for (int k = 0; k < 4; ++k) most[k] = std::max(most[k], sides[k]);
+        nearest = std::max(nearest, z), farthest = std::min(farthest, z);
+    });
     const double least = std::max(1e-6, 1e-3 * (nearest - farthest));  // metres before the nearest point
     const double z0 = std::max({(most[0] + most[1]) / (2 * run), (most[2] + most[3]) / (2 * rise), nearest + least});
-    const double x0 = (most[0] - most[1]) / 2, y0 = (most[2] - most[3]) / 2;
+    double x0 = (most[0] - most[1]) / 2, y0 = (most[2] - most[3]) / 2;
+    // That is the middle of the side that is full. Along the other there is room: steps to where as much is left on either side.
+    const double middle = 0.5 * (nearest + farthest);
+    for (int step = 0; step < 4; ++step) {
+        double west = HUGE_VAL, east = -HUGE_VAL, low = HUGE_VAL, high = -HUGE_VAL;
+        eachPoint([&](double x, double y, double z) {
+            const double across = (x - x0) / (z0 - z), along = (y - y0) / (z0 - z);
+            west = std::min(west, across), east = std::max(east, across);
+            low = std::min(low, along), high = std::max(high, along);
+        });
+        x0 += 0.5 * (west + east) * (z0 - middle);
+        y0 += 0.5 * (low + high) * (z0 - middle);
+    }
     camera.eye = x0 * right + y0 * up + z0 * back;
-    camera.target = x0 * right + y0 * up + 0.5 * (nearest + farthest) * back;
+    camera.target = x0 * right + y0 * up + middle * back;
     return camera;
 }
 
