@@ -116,7 +116,7 @@ int storedNumbers(const Model& model);
 void packParams(const Model& model, const ModelParams& params, std::span<float> numbers);
 ModelParams unpackParams(const Model& model, std::span<const float> numbers);
 
-// Upper bounds on what bytes (8 bits) or shorts (16) add to the apertures and lobes of a stored model, radians; 0 where it has none.
+// What bytes (8 bits) or shorts (16) add at most to the apertures and lobes of a stored model, radians; 0 where it has none.
 //   axis  the angle between axes: the octahedral mapping turns a step in x or y by at most 3 sqrt(2), at the middle of a face
 //   edge  of the radius of an aperture; of the edge of a lobe where it passes at a right angle to the axis, nearer to which or farther
 //         from which it moves more. Of `auto`, the largest of the models that it may choose

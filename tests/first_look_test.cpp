@@ -43,6 +43,34 @@ TEST(FirstLook, TheDefaultCameraFillsThePicture) {
         }
 }
 
+// A plane that rises away from the eye: its near end is much wider in the picture than its far one.
+TEST(FirstLook, TheDefaultCameraSeesAllOfWhatIsFarFromRound) {
+    Random random(3);
+    for (int i = 0; i < 300; ++i) {
+        const double width = std::pow(10, random(-1, 2)), length = std::pow(10, random(-1, 3)), slope = random(-2, 2),
+                     turn = random(0, 2 * pi);
+        Scene scene;
+        Surface ramp;
+        for (const double z : {-0.5, 0.5})
+            for (const double x : {-0.5, 0.5}) {
+                const double a = x * width, b = z * length;
+                ramp.positions.emplace_back(a * std::cos(turn) - b * std::sin(turn), slope * b, a * std::sin(turn) + b * std::cos(turn));
+            }
+        ramp.triangles = {{0, 2, 3}, {0, 3, 1}};
+        scene.surfaces = {ramp};
+        scene.instances = {{0}};
+        for (const double aspect : {16.0 / 9, 0.5}) {
+            const Box seen = inPicture(scene, viewOf(scene, aspect), aspect);
+            EXPECT_EQ(seen.high.z, 0) << "behind the eye";
+            for (int axis = 0; axis < 2; ++axis) {
+                EXPECT_GE(seen.low[axis], -0.925f) << width << " x " << length << ", slope " << slope;
+                EXPECT_LE(seen.high[axis], 0.925f) << width << " x " << length << ", slope " << slope;
+            }
+            EXPECT_GT(std::max({-seen.low.x, seen.high.x, -seen.low.y, seen.high.y}), 0.75f);
+        }
+    }
+}
+
 // The extent of what stands on the ground, and where it stands.
 void expectGround(const Scene& before, const Scene& after, float tolerance) {
     const Box box = worldBounds(before), all = worldBounds(after);
@@ -76,6 +104,20 @@ TEST(FirstLook, AGroundLiesUnderWhatHasNone) {
         writeAsset(folder / "a.glb", grounded, seen, {});
         expectGround(cube, loadAsset(folder / "a.glb").scene, 1e-3f);
     }
+}
+
+TEST(FirstLook, AGroundKeepsItsShapeFarAway) {
+    Scene far = loadScene(smallScene("cube.obj"));
+    far.instances[0].toWorld[3] = glm::vec4(1e7f, 5e6f, 1e7f, 1);
+    const Scene grounded = withGround(far);
+    const Surface& ground = grounded.surfaces.back();
+    for (const auto& t : ground.triangles)
+        EXPECT_GT(glm::length(glm::cross(ground.positions[t[1]] - ground.positions[t[0]], ground.positions[t[2]] - ground.positions[t[0]])),
+                  0);
+    EXPECT_LT(worldBounds(grounded).low.y, worldBounds(far).low.y);
+    Scene point = loadScene(smallScene("cube.obj"));
+    for (glm::vec3& p : point.surfaces[0].positions) p = glm::vec3(1);
+    EXPECT_THROW(withGround(point), Error);
 }
 
 TEST(FirstLook, TheBackgroundIsItsOwn) {

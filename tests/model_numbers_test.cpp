@@ -103,6 +103,24 @@ TEST(ModelNumbers, OfAutoBelongToTheirOrder) {
     EXPECT_TRUE(turned.seen[0].allParams.empty());
 }
 
+TEST(ModelNumbers, StayWhereNormalsWereRemoved) {
+    const Folder folder;
+    for (const char* name : {"firm-2", "auto"}) {
+        const Asset asset = stored(folder, name, 16);
+        const Asset split = loadAsset(changed(folder, folder / "a.glb", [](Json& json) {
+            for (Json& mesh : json["meshes"])
+                for (Json& primitive : mesh["primitives"]) primitive["attributes"].erase("NORMAL");
+        }));
+        EXPECT_TRUE(split.scene.notes.empty()) << split.scene.notes[0];
+        ASSERT_EQ(split.info.model, name);
+        for (size_t i = 0; i < split.seen.size(); ++i) {
+            const std::vector<uint32_t>& from = split.scene.surfaces[size_t(split.scene.instances[i].surface)].splitFrom;
+            ASSERT_EQ(split.seen[i].allParams.size(), split.seen[i].visibility.size());
+            ASSERT_FALSE(from.empty());
+        }
+    }
+}
+
 TEST(ModelNumbers, WhereTheyAreGoneTheFourNumbersAreUsed) {
     const Folder folder;
     const auto expectFour = [](const std::string& path, const char* cause) {
@@ -120,11 +138,16 @@ TEST(ModelNumbers, WhereTheyAreGoneTheFourNumbersAreUsed) {
         };
     };
     stored(folder, "firm-2", 8);
-    expectFour(changed(folder, folder / "a.glb", eachPrimitive([](Json&, Json& a) { a.erase("_VISIBILITY_NUMBERS_1"); })), "are gone");
+    expectFour(changed(folder, folder / "a.glb", eachPrimitive([](Json&, Json& a) { a.erase("_VISIBILITY_NUMBERS_1"); })),
+               "not of the kind");
+    expectFour(changed(folder, folder / "a.glb", eachPrimitive([](Json&, Json& a) {
+                           for (const char* k : {"_VISIBILITY_NUMBERS_0", "_VISIBILITY_NUMBERS_1"}) a.erase(k);
+                       })),
+               "are gone");
     expectFour(changed(folder, folder / "a.glb", eachPrimitive([](Json& json, Json& a) {
                            json["accessors"][a["_VISIBILITY_NUMBERS_0"].get<size_t>()].erase("normalized");
                        })),
-               "not of normalised bytes");
+               "not of the kind");
     stored(folder, "auto", 8);
     const auto choices = [](Json& json) -> Json& { return json["accessors"][*findAccessor(json, "_VISIBILITY_CHOICES")]; };
     expectFour(changed(folder, folder / "a.glb", [&](Json& json) { choices(json).erase("name"); }), "are gone");

@@ -139,7 +139,7 @@ def cost_charts(rows, radius, folder):
     table = means(rows, radius)
     costs = [("cycles_pixel_navi21", "cycles a pixel above N·L, RDNA2 (navi21)", True),
              ("cycles_pixel_polaris10", "cycles a pixel above N·L, GCN4 (polaris10)", True),
-             ("bytes", "bytes a vertex in the asset, 8 bits a number; a rival's own", False),
+             ("bytes", "bytes a sample in the asset, 8 bits a number; a rival's own", False),
              ("frame_ratio", "time of a frame on this machine's device / N·L", False),
              ("bake_ratio", "bake time / four SH coefficients, 256 rays", True)]
     fronts = {}
@@ -438,7 +438,7 @@ def main():
     scene_chart(rows, radius, folder)
     radius_chart(rows, folder)
     leak_chart(rows, radius, folder)
-    pictures = [("error-cycles-pixel-navi21", "Error against GPU cycles a pixel, RDNA2"), ("error-bytes", "Error against bytes a vertex"),
+    pictures = [("error-cycles-pixel-navi21", "Error against GPU cycles a pixel, RDNA2"), ("error-bytes", "Error against bytes a sample"),
                 ("error-bake-ratio", "Error against bake time"), ("error-frame-ratio", "Error against the time of a frame on this machine's device"),
                 ("error-cycles-pixel-polaris10", "Error against GPU cycles a pixel, GCN4"), ("error-by-radius", "Error by the size of the light"),
                 ("scenes", "Error by scene"), ("leaks", "Light through what blocks all of it")]

@@ -13,6 +13,7 @@
 #include "apertura/bake/measure/appearance.h"
 #include "apertura/bake/measure/measure.h"
 #include "apertura/bake/scene/builtin.h"
+#include "apertura/bake/scene/ground.h"
 #include "apertura/runtime/asset/asset.h"
 #include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/file.h"
@@ -219,15 +220,16 @@ void run(Arguments a) {
     dropRepeats(a.measure.lightRadii);
     std::vector<Scene> scenes;
     scenes.reserve(a.scenes.size());
-    if (std::none_of(a.scenes.begin(), a.scenes.end(), isHeightMap)) a.reading.check(a.scenes.front());
-    for (const std::string& name : a.scenes) {
-        SceneOptions own = a.reading;
-        if (!isHeightMap(name)) own.heights = {};  // those are for the maps among them
-        scenes.push_back(own.load(name, isHeightMap(name) ? Coordinates::Read : Coordinates::Ignore));
-    }
     const std::vector<double>& radii = a.measure.lightRadii;
     if (a.headline > 0 && std::find(radii.begin(), radii.end(), a.headline) == radii.end())
         throw CLI::ValidationError((std::ostringstream() << "--headline: " << a.headline << " is not one of --light-radii").str());
+    const auto heightMaps = std::count_if(a.scenes.begin(), a.scenes.end(), isHeightMap);
+    if (heightMaps == 0 || size_t(heightMaps) == a.scenes.size()) a.reading.check(a.scenes.front());
+    for (const std::string& name : a.scenes) {
+        // Of several kinds, each takes the options that are for it.
+        Scene scene = loadScene(name, a.reading.heights, isHeightMap(name) ? Coordinates::Read : Coordinates::Ignore);
+        scenes.push_back(a.reading.ground && !isHeightMap(name) ? withGround(std::move(scene)) : std::move(scene));
+    }
     const bool hasUsual = std::find(radii.begin(), radii.end(), kHeadline) != radii.end();
     const double headline = a.headline > 0 ? a.headline : hasUsual ? kHeadline : sorted(radii)[radii.size() / 2];
     std::error_code failed;

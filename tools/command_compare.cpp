@@ -112,7 +112,8 @@ void print(const Measurement& m, const std::vector<double>& radii) {
     footer("the truth's own noise", &MeasureRow::noise);
     std::printf(
         "from: sh, the coefficients of what the rays see; rays, straight from them; fit, fitted to them; sh-fit, the coefficients of the "
-        "soft aperture that is fitted to them. numbers: of auto, the mean over the receivers. bytes: of a vertex in the asset\n");
+        "soft aperture that is fitted to them. numbers: of auto, the mean over the receivers. bytes: of a sample in the asset; at vertices "
+        "padded to a multiple of four\n");
     for (const MeasureRow& r : m.rows)
         if (r.texelsPerMetre > 0 && &r == &m.rows[m.rows.size() - radii.size()])
             std::printf("shadow-map: %d texels a side over the whole scene, %.3g a metre on average\n", kShadowTexels, r.texelsPerMetre);

@@ -212,7 +212,7 @@ void print(const nlohmann::ordered_json& d) {
             "  rays add      about %.2g of the hemisphere in area and %.2g degrees in direction (RMS; up to six times as much at some "
             "points)\n",
             d["rays_add"]["area_of_hemisphere"].get<double>(), d["rays_add"]["direction_degrees"].get<double>());
-    if (d["ray_offset"].get<double>() > 0)
+    if (d.contains("rays_add") && d["ray_offset"].get<double>() > 0)
         std::printf("                and start up to %.2g m above the surface: what lies nearer does not block them\n",
                     d["ray_offset"].get<double>());
 }

@@ -64,6 +64,10 @@ void run(const Arguments& a) {
         notes = asset->scene.notes;
         // What was baked without materials belongs to surfaces of one albedo.
         if (const auto baked = bakedAlbedo(asset->info); baked && !view.plain) view.albedo = *baked;
+        if (view.bounces > 0 && a.view.around.empty() && !hasBounces(*asset))
+            viewNotes.push_back(
+                "what surfaces reflect is estimated from the four numbers: where none of the sky is seen it stays black; bake --bounce "
+                "stores it");
         if (own) model = storedModel(asset->info);
         if (own && !model) model = findModel("soft");
         if (a.lightAt == "vertices" && hasSamplesOnFaces(*asset))

@@ -26,9 +26,10 @@ void addHeightMapOptions(CLI::App& command, HeightMapOptions& options);
 struct SceneOptions {
     HeightMapOptions heights;
     bool ground = false;  // with one under it
+    const CLI::App* command = nullptr;
 
     // Adds the options. It must outlive `command`.
-    void addTo(CLI::App& command);
+    void addTo(CLI::App& to);
     // Throws CLI::ValidationError where an option is not for scenes of this kind.
     void check(const std::string& scene) const;
     // check and loadScene.

@@ -55,7 +55,7 @@ std::map<CostKey, int> aboveFirst(std::span<const CostKey> keys, const std::vect
 
 namespace {
 
-// Work for child processes, as many at a time as there are cores: compilers use one.
+// Work for child processes, which are begun in turn, as many at a time as there are cores: compilers use one.
 class Jobs {
 public:
     // `work` runs in the child; `receive`, here, on what it sends.

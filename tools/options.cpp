@@ -129,17 +129,16 @@ void addHeightMapOptions(CLI::App& command, HeightMapOptions& options) {
     command.add_flag("--terrain-rgb", options.terrainRgb, "heights are packed in R, G, B (Mapbox Terrain-RGB)")->group(group);
 }
 
-void SceneOptions::addTo(CLI::App& command) {
-    command.add_flag("--ground", ground, "put a ground under a scene that has none: a square, four times as wide as the scene");
-    addHeightMapOptions(command, heights);
+void SceneOptions::addTo(CLI::App& to) {
+    command = &to;
+    to.add_flag("--ground", ground, "put a ground under a scene that has none: a square, four times as wide as the scene");
+    addHeightMapOptions(to, heights);
 }
 
 void SceneOptions::check(const std::string& scene) const {
-    const char* const given = heights.spacingX > 0       ? "--spacing"
-                            : heights.verticalScale != 1 ? "--vertical-scale"
-                            : heights.terrainRgb         ? "--terrain-rgb"
-                                                         : nullptr;
-    if (given && !isHeightMap(scene)) throw CLI::ValidationError(std::string(given) + " is for height maps, and " + scene + " is none");
+    for (const char* const own : {"--spacing", "--vertical-scale", "--terrain-rgb"})
+        if (command->count(own) > 0 && !isHeightMap(scene))
+            throw CLI::ValidationError(std::string(own) + " is for height maps, and " + scene + " is none");
     if (ground && isHeightMap(scene)) throw CLI::ValidationError("--ground: " + scene + " is a height map, which is a ground itself");
 }
 
@@ -147,7 +146,7 @@ Scene SceneOptions::load(const std::string& scene, Coordinates coordinates) cons
     check(scene);
     Scene out = loadScene(scene, heights, coordinates);
     if (!ground) return out;
-    if (hasVisibility(out)) throw Error(scene + ": is baked already; --ground is for bake, and for what is not baked yet");
+    if (hasVisibility(out)) throw Error(scene + ": is baked already: bake its source with --ground");
     return withGround(std::move(out));
 }
 

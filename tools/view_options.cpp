@@ -144,7 +144,7 @@ View ViewOptions::viewOf(const Scene& scene, std::vector<std::string>& notes) co
     View view;
     view.width = int(width);
     view.height = int(height);
-    view.camera = cameraIn(camera, apertura::viewOf(scene, width / height));
+    view.camera = camera.empty() ? apertura::viewOf(scene, width / height) : cameraIn(camera, {});
     if (const std::optional<glm::vec3> colour = colourIn(sky))
         view.sky = *colour;
     else if (!sky.empty())

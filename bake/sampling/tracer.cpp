@@ -280,6 +280,9 @@ bool Tracer::occluded(const glm::dvec3& origin, const glm::vec3& direction, floa
 
 std::optional<Hit> Tracer::nearest(const glm::dvec3& world, const glm::vec3& direction) const {
     const glm::vec3 origin = impl_->toRays(world);
+    // From so far away, in units of the scene, nothing of it is seen; Embree takes no larger numbers.
+    constexpr float kFarthest = 1e18f;
+    if (!(std::max({std::abs(origin.x), std::abs(origin.y), std::abs(origin.z)}) < kFarthest)) return std::nullopt;
     RTCRayHit query{};
     query.ray = {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, kNoLimit, ~0u, 0, 0};
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;

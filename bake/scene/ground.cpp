@@ -1,8 +1,9 @@
 #include "apertura/bake/scene/ground.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 
+#include "apertura/runtime/asset/error.h"
 #include "apertura/runtime/asset/gltf.h"
 #include "apertura/runtime/asset/gltf_document.h"
 #include "apertura/runtime/asset/materials.h"
@@ -13,15 +14,28 @@ namespace {
 constexpr int kSquares = 48;     // a side
 constexpr float kBelow = 1e-4f;  // of the scene's extent: its own lowest faces are not in the ground's plane
 
-Surface groundUnder(const Box& box) {
-    const glm::vec3 size = box.high - box.low, centre = 0.5f * (box.low + box.high);
-    const float extent = std::max({size.x, size.y, size.z}), side = kGroundSize * extent;
+// Where the ground's middle lies, and its side.
+struct Place {
+    glm::vec3 middle;
+    float side;
+};
+
+Place placeUnder(const Scene& scene) {
+    const Box box = worldBounds(scene);
+    const glm::vec3 size = box.high - box.low;
+    const float extent = std::max({size.x, size.y, size.z});
+    if (!(extent > 0)) throw Error(scene.name + ": has no extent that a ground could be put under");
+    const float below = std::min(box.low.y - kBelow * extent, std::nextafter(box.low.y, -HUGE_VALF));
+    return {{0.5f * (box.low.x + box.high.x), below, 0.5f * (box.low.z + box.high.z)}, kGroundSize * extent};
+}
+
+// About its middle: what stands far from the origin has no digits to spare.
+Surface squareOf(float side) {
     Surface out;
     for (int z = 0; z <= kSquares; ++z)
         for (int x = 0; x <= kSquares; ++x)
-            out.positions.emplace_back(centre.x + side * (float(x) / kSquares - 0.5f), box.low.y - kBelow * extent,
-                                       centre.z + side * (float(z) / kSquares - 0.5f));
-    for (const glm::vec3& p : out.positions) out.coordinates.emplace_back((p.x - centre.x) / side + 0.5f, (p.z - centre.z) / side + 0.5f);
+            out.positions.emplace_back(side * (float(x) / kSquares - 0.5f), 0, side * (float(z) / kSquares - 0.5f));
+    for (const glm::vec3& p : out.positions) out.coordinates.emplace_back(p.x / side + 0.5f, p.z / side + 0.5f);
     out.normals.assign(out.positions.size(), {0, 1, 0});
     for (uint32_t z = 0; z < kSquares; ++z)
         for (uint32_t x = 0; x < kSquares; ++x) {
@@ -45,7 +59,7 @@ size_t addTo(GltfDocument& document, Json accessor, const void* data, size_t len
     return json["accessors"].size() - 1;
 }
 
-GltfDocument withSurface(GltfDocument document, const Surface& surface) {
+GltfDocument withSurface(GltfDocument document, const Surface& surface, const glm::vec3& middle) {
     Json& json = document.json;
     const auto vectors = [&](const std::vector<glm::vec3>& values, Json members) {
         members.update({{"componentType", kFloat}, {"type", "VEC3"}, {"count", values.size()}});
@@ -66,7 +80,7 @@ GltfDocument withSurface(GltfDocument document, const Surface& surface) {
     }
     primitive["indices"] = addTo(document, {{"componentType", kUnsignedInt}, {"type", "SCALAR"}, {"count", 3 * surface.triangles.size()}},
                                  surface.triangles.data(), surface.triangles.size() * sizeof(surface.triangles[0]));
-    addNode(json, {{"name", "ground"}, {"mesh", listOf(json, "meshes").size()}});
+    addNode(json, {{"name", "ground"}, {"mesh", listOf(json, "meshes").size()}, {"translation", {middle.x, middle.y, middle.z}}});
     json["meshes"].push_back({{"name", "ground"}, {"primitives", Json::array({primitive})}});
     return document;
 }
@@ -75,17 +89,20 @@ GltfDocument withSurface(GltfDocument document, const Surface& surface) {
 
 Scene withGround(Scene scene) {
     const Camera camera = viewOf(scene);
-    Surface ground = groundUnder(worldBounds(scene));
+    const Place place = placeUnder(scene);
+    Surface ground = squareOf(place.side);
     const bool hasCamera = !scene.cameras.empty();
     if (scene.document) {
-        GltfDocument document = withSurface(*scene.document, ground);
+        GltfDocument document = withSurface(*scene.document, ground, place.middle);
         if (!hasCamera) addCamera(document.json, camera);
         scene = sceneOf(std::move(document));
         loadTextures(scene, TexturesFor::Rays);
         return scene;
     }
     if (!hasCamera) scene.cameras.push_back(camera);
-    scene.instances.push_back({int(scene.surfaces.size())});
+    glm::mat4 toWorld(1);
+    toWorld[3] = glm::vec4(place.middle, 1);
+    scene.instances.push_back({int(scene.surfaces.size()), toWorld});
     scene.surfaces.push_back(std::move(ground));
     return scene;
 }

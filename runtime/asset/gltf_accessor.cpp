@@ -364,11 +364,13 @@ std::optional<size_t> findAccessor(const Json& json, const char* name) {
 
 std::set<size_t> takeNames(Json& json, std::span<const char* const> names) {
     std::set<size_t> out;
-    for (const char* const name : names)
-        while (const std::optional<size_t> index = findAccessor(json, name)) {
-            json["accessors"][*index].erase("name");
-            out.insert(*index);
-        }
+    for (size_t i = 0; i < listOf(json, "accessors").size(); ++i) {
+        Json& accessor = json["accessors"][i];
+        const Json name = accessor.value("name", Json());
+        if (std::none_of(names.begin(), names.end(), [&](const char* own) { return name == own; })) continue;
+        accessor.erase("name");
+        out.insert(i);
+    }
     return out;
 }
 

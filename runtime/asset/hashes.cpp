@@ -28,7 +28,13 @@ std::string Hash::text() const {
 
 std::string hashOfPoints(const Scene& scene, std::span<const std::vector<glm::vec4>> atVertices, int bits, HashOrder order) {
     const auto addAll = [order](Hash& hash, const Surface& surface, const auto& addVertex) {
-        if (order == HashOrder::Vertices) {
+        if (order == HashOrder::VerticesInFile && !surface.splitFrom.empty()) {
+            std::map<uint32_t, size_t> parts;  // of each vertex in the file, the first of those that it became
+            for (size_t v = 0; v < surface.splitFrom.size(); ++v) parts.try_emplace(surface.splitFrom[v], v);
+            for (const auto& [inFile, v] : parts) addVertex(hash, v);
+            return;
+        }
+        if (order != HashOrder::Corners) {
             for (size_t v = 0; v < surface.positions.size(); ++v) addVertex(hash, v);
             return;
         }

@@ -16,8 +16,8 @@ public:
     void add(uint32_t word) { value_ = (value_ ^ word) * 0x100000001b3ull; }
     void add(uint64_t words) { add(uint32_t(words)), add(uint32_t(words >> 32)); }
     void add(const glm::vec3& place);
-    void add(const glm::vec4& number, int bits);  // -1..1, as the integers that are in the file
-    void add(std::span<const unsigned char> bytes);
+    void add(const glm::vec4& number, int bits);     // -1..1, as the integers that are in the file
+    void add(std::span<const unsigned char> bytes);  // each a word
     uint64_t value() const { return value_; }
     std::string text() const;
 
@@ -25,8 +25,9 @@ private:
     uint64_t value_ = 0xcbf29ce484222325ull;
 };
 
-// By what samples on faces belong to: the corners of triangles; and what numbers at vertices do: the vertices.
-enum class HashOrder { Corners, Vertices };
+// By what samples on faces belong to: the corners of triangles; and what numbers at vertices do: the vertices, as they are written or,
+// where reading split them (Surface::splitFrom), as they stand in the file.
+enum class HashOrder { Corners, Vertices, VerticesInFile };
 
 // Of all instances, in their order: the places and the stored numbers of their vertices; of those that differ in nothing else, where they
 // stand, too.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "apertura/runtime/asset/hashes.h"
@@ -13,7 +14,6 @@ namespace {
 
 const char* const kAttribute = "_VISIBILITY_NUMBERS_";
 const char* const kChoices = "_VISIBILITY_CHOICES";
-constexpr int kMostAttributes = 8;
 constexpr int kTogether = 4;  // numbers of an attribute
 
 int attributesOf(const Model& model) { return (int(storedNumbers(model)) + kTogether - 1) / kTogether; }
@@ -62,66 +62,82 @@ std::optional<Bytes> streamOf(const GltfDocument& document, const Json& attribut
     return out;
 }
 
-// The buffer view that an asset of 0.1 names for a primitive.
-std::optional<size_t> viewOf01(const GltfDocument& document, const Json& described, size_t mesh, size_t primitive) {
+// The buffer view that an asset of 0.1 names for each primitive; the key is mesh and primitive.
+std::map<std::pair<size_t, size_t>, size_t> viewsOf01(const GltfDocument& document, const Json& described) {
+    std::map<std::pair<size_t, size_t>, size_t> out;
     const Json& list = listOf(described, "forms");
-    if (!list.is_array()) return std::nullopt;
+    if (!list.is_array()) return out;
     for (const Json& entry : list) {
-        const auto is = [&](const char* key, size_t value) { return entry.is_object() && entry.contains(key) && entry[key] == value; };
-        if (is("mesh", mesh) && is("primitive", primitive) && entry.contains("bufferView") && entry["bufferView"].is_number_unsigned()
-            && entry["bufferView"] < listOf(document.json, "bufferViews").size())
-            return entry["bufferView"].get<size_t>();
+        const auto index = [&](const char* key) {
+            return entry.is_object() && entry.contains(key) && entry[key].is_number_unsigned() ? entry[key].get<size_t>() : SIZE_MAX;
+        };
+        if (index("bufferView") < listOf(document.json, "bufferViews").size())
+            out[{index("mesh"), index("primitive")}] = index("bufferView");
     }
-    return std::nullopt;
+    return out;
 }
 
-// The bytes of each instance. Throws Error with the cause, without the file's name, if they are gone or belong to something else.
-std::vector<Bytes> choicesIn(const Asset& asset, const Json& said, std::span<const std::vector<glm::vec4>> atVertices) {
+// What auto chose, and the bytes of each instance in it. Throws Error with the cause if it is gone or belongs to something else.
+std::pair<Bytes, std::vector<size_t>> choicesIn(const Asset& asset, const Json& said, std::span<const std::vector<glm::vec4>> atVertices) {
     const GltfDocument& document = *asset.scene.document;
     const std::optional<size_t> at = findAccessor(document.json, kChoices);
     if (!at) throw Error("are gone");
-    if (listOf(said, "vertices") != hashOfPoints(asset.scene, atVertices, asset.info.bits, HashOrder::Vertices))
+    if (listOf(said, "vertices") != hashOfPoints(asset.scene, atVertices, asset.info.bits, HashOrder::VerticesInFile))
         throw Error("belong to other vertices, or to these in another order");
     const Json& accessor = document.json["accessors"][*at];
     if (accessor["componentType"] != kUnsignedByte || accessor.value("normalized", false) || accessor.value("type", "") != "SCALAR")
         throw Error("are not bytes");
-    Bytes bytes;
-    for (const float byte : readAccessor(document, *at, 1)) bytes.push_back(static_cast<unsigned char>(byte));
+    std::pair<Bytes, std::vector<size_t>> out;
+    for (const float byte : readAccessor(document, *at, 1)) out.first.push_back(static_cast<unsigned char>(byte));
     Hash hash;
-    hash.add(bytes);
+    hash.add(out.first);
     const Json& lengths = listOf(said, "numbers");
     if (listOf(said, "bytes") != hash.text() || !lengths.is_array() || lengths.size() != asset.seen.size())
         throw Error("are not those that were baked");
-    std::vector<Bytes> out;
-    auto next = bytes.begin();
+    size_t left = out.first.size();
     for (const Json& length : lengths) {
-        if (!length.is_number_unsigned() || length.get<size_t>() > size_t(bytes.end() - next)) throw Error("end too soon");
-        const auto end = next + ptrdiff_t(length.get<size_t>());
-        out.emplace_back(next, end);
-        next = end;
+        out.second.push_back(length.is_number_unsigned() ? length.get<size_t>() : SIZE_MAX);
+        if (out.second.back() > left) throw Error("end too soon");
+        left -= out.second.back();
     }
     return out;
 }
 
-// The bytes of each instance, wherever they are; throws as choicesIn.
-std::vector<Bytes> streamsIn(const Asset& asset, const Model& stored, const Json& described,
-                             std::span<const std::vector<glm::vec4>> atVertices) {
+void unpackInto(Asset& asset, size_t i, const Model& stored, std::span<const unsigned char> bytes) {
+    const Instance& instance = asset.scene.instances[i];
     const GltfDocument& document = *asset.scene.document;
-    const bool isOf01 = described.is_object() && described.contains("forms");
-    if (stored.kind == ModelKind::Choice && !isOf01) return choicesIn(asset, listOf(described, "choices"), atVertices);
-    std::vector<Bytes> out;
-    for (const Instance& instance : asset.scene.instances) {
-        const Json& attributes = primitiveOf(document, instance)["attributes"];
-        if (std::optional<Bytes> own = isOf01 ? std::nullopt : streamOf(document, attributes, stored, asset.info.bits)) {
-            out.push_back(std::move(*own));
-            continue;
+    const size_t vertices = accessorCount(document, primitiveOf(document, instance)["attributes"]["_VISIBILITY"].get<size_t>());
+    std::vector<ModelParams>& own = asset.seen[i].allParams;
+    own = unpackAllParams(stored, bytes, vertices, rotationPart(instance.toWorld), asset.info.bits);
+    if (!pick(own, asset.scene.surfaces[size_t(instance.surface)].splitFrom)) throw Error("are fewer than vertices");
+}
+
+// Throws Error with the cause.
+void readAll(Asset& asset, const Model& stored, const Json& described, std::span<const std::vector<glm::vec4>> atVertices) {
+    const GltfDocument& document = *asset.scene.document;
+    const auto views = viewsOf01(document, described);
+    if (stored.kind == ModelKind::Choice && views.empty()) {
+        const auto [bytes, lengths] = choicesIn(asset, listOf(described, "choices"), atVertices);
+        std::span<const unsigned char> left = bytes;
+        for (size_t i = 0; i < lengths.size(); ++i) {
+            unpackInto(asset, i, stored, left.first(lengths[i]));
+            left = left.subspan(lengths[i]);
         }
-        const std::optional<size_t> view = viewOf01(document, described, meshOf(document.json, instance), size_t(instance.primitive));
-        if (!view) throw Error("are gone, or not of normalised bytes or shorts any more");
-        const std::span<const unsigned char> bytes = viewBytes(document, *view);
-        out.emplace_back(bytes.begin(), bytes.end());
+        return;
     }
-    return out;
+    for (size_t i = 0; i < asset.seen.size(); ++i) {
+        const Instance& instance = asset.scene.instances[i];
+        const Json& attributes = primitiveOf(document, instance)["attributes"];
+        if (stored.kind != ModelKind::Choice)
+            if (const std::optional<Bytes> own = streamOf(document, attributes, stored, asset.info.bits)) {
+                unpackInto(asset, i, stored, *own);
+                continue;
+            }
+        const auto view = views.find({meshOf(document.json, instance), size_t(instance.primitive)});
+        if (view == views.end())
+            throw Error(attributes.contains(nameOf(0)) ? "are not of the kind or the number that they should be" : "are gone");
+        unpackInto(asset, i, stored, viewBytes(document, view->second));
+    }
 }
 
 }  // namespace
@@ -173,11 +189,14 @@ ReleasedNumbers removeNumbers(Json& json) {
         for (Json& mesh : json["meshes"]) {
             if (!mesh.contains("primitives")) continue;
             for (Json& primitive : mesh["primitives"])
-                for (int k = 0; k < kMostAttributes; ++k)
-                    if (const auto found = primitive["attributes"].find(nameOf(k)); found != primitive["attributes"].end()) {
-                        out.accessors.insert(found->get<size_t>());
-                        primitive["attributes"].erase(found);
+                for (auto it = primitive["attributes"].begin(); it != primitive["attributes"].end();) {
+                    if (!it.key().starts_with(kAttribute)) {
+                        ++it;
+                        continue;
                     }
+                    out.accessors.insert(it->get<size_t>());
+                    it = primitive["attributes"].erase(it);
+                }
         }
     const char* const names[] = {kChoices};
     out.accessors.merge(takeNames(json, names));
@@ -193,19 +212,14 @@ ReleasedNumbers removeNumbers(Json& json) {
 void readNumbers(Asset& asset, const Json& described, std::span<const std::vector<glm::vec4>> atVertices) {
     const Model* stored = storedModel(asset.info);
     if (!stored) return;
-    const GltfDocument& document = *asset.scene.document;
     try {
-        const std::vector<Bytes> streams = streamsIn(asset, *stored, described, atVertices);
-        for (size_t i = 0; i < streams.size(); ++i) {
-            const Instance& instance = asset.scene.instances[i];
-            const size_t vertices = accessorCount(document, primitiveOf(document, instance)["attributes"]["_VISIBILITY"].get<size_t>());
-            std::vector<ModelParams>& own = asset.seen[i].allParams;
-            own = unpackAllParams(*stored, streams[i], vertices, rotationPart(instance.toWorld), asset.info.bits);
-            if (!pick(own, asset.scene.surfaces[size_t(instance.surface)].splitFrom)) throw Error("are fewer than vertices");
-        }
+        readAll(asset, *stored, described, atVertices);
     } catch (const Error& e) {
+        std::string cause = e.what();
+        if (const std::string name = asset.scene.name + ": "; cause.starts_with(name))
+            cause = "cannot be read: " + cause.substr(name.size());
         for (SeenByInstance& seen : asset.seen) seen.allParams.clear(), seen.faces.allParams.clear();
-        asset.scene.notes.push_back("its numbers of the model " + asset.info.model + " " + e.what() + ": the four numbers alone are used");
+        asset.scene.notes.push_back("its numbers of the model " + asset.info.model + " " + cause + ": the four numbers alone are used");
         asset.info.model = "sh";
     }
 }

@@ -92,21 +92,31 @@ Camera viewOf(const Scene& scene, double aspect) {
     });
     const double least = std::max(1e-6, 1e-3 * (nearest - farthest));  // metres before the nearest point
     const double z0 = std::max({(most[0] + most[1]) / (2 * run), (most[2] + most[3]) / (2 * rise), nearest + least});
-    double x0 = (most[0] - most[1]) / 2, y0 = (most[2] - most[3]) / 2;
-    // That is the middle of the side that is full. Along the other there is room: steps to where as much is left on either side.
-    const double middle = 0.5 * (nearest + farthest);
-    for (int step = 0; step < 4; ++step) {
-        double west = HUGE_VAL, east = -HUGE_VAL, low = HUGE_VAL, high = -HUGE_VAL;
+    double place[2] = {(most[0] - most[1]) / 2, (most[2] - most[3]) / 2};
+    // That is the middle of the side that is full. Along the other there is room, and the eye goes to where as much is left on either side
+    // of the two points that stand out most, for as long as others do not; and no farther than all stays in the picture.
+    for (int step = 0; step < 6; ++step) {
+        struct Outermost {
+            double share, at, depth;
+        };
+        Outermost ends[2][2] = {{{HUGE_VAL, 0, 1}, {-HUGE_VAL, 0, 1}}, {{HUGE_VAL, 0, 1}, {-HUGE_VAL, 0, 1}}};
         eachPoint([&](double x, double y, double z) {
-            const double across = (x - x0) / (z0 - z), along = (y - y0) / (z0 - z);
-            west = std::min(west, across), east = std::max(east, across);
-            low = std::min(low, along), high = std::max(high, along);
+            const double at[2] = {x, y};
+            for (int axis = 0; axis < 2; ++axis) {
+                const double share = (at[axis] - place[axis]) / (z0 - z);
+                if (share < ends[axis][0].share) ends[axis][0] = {share, at[axis], z0 - z};
+                if (share > ends[axis][1].share) ends[axis][1] = {share, at[axis], z0 - z};
+            }
         });
-        x0 += 0.5 * (west + east) * (z0 - middle);
-        y0 += 0.5 * (low + high) * (z0 - middle);
+        for (int axis = 0; axis < 2; ++axis) {
+            const auto& [low, high] = ends[axis];
+            const double even = (low.at * high.depth + high.at * low.depth) / (low.depth + high.depth);
+            const double reach = (axis == 0 ? run : rise) * z0, least0 = most[2 * axis] - reach, most0 = reach - most[2 * axis + 1];
+            place[axis] = least0 < most0 ? std::clamp(even, least0, most0) : 0.5 * (least0 + most0);
+        }
     }
-    camera.eye = x0 * right + y0 * up + z0 * back;
-    camera.target = x0 * right + y0 * up + middle * back;
+    camera.eye = place[0] * right + place[1] * up + z0 * back;
+    camera.target = place[0] * right + place[1] * up + 0.5 * (nearest + farthest) * back;
     return camera;
 }
 
