@@ -22,7 +22,7 @@ constexpr double kManyShared = 0.01;  // fraction of texels that two charts shar
 constexpr double kNearlyAll = 0.95;   // fraction of vertices without sky from which a warning is printed
 
 struct Arguments {
-    std::string scene, out, model = "sh", drawnAs;
+    std::string scene, out, model = "sh", drawnAs, whyRays;
     SceneOptions reading;
     BakeOptions bake;
     int bits = 8;
@@ -179,6 +179,8 @@ void run(const Arguments& a) {
     if (report.buried > 0) std::printf("  %.3g %% of the surface lies inside solids and gets no samples\n", 100 * report.buried);
     if (double(closed) > kNearlyAll * double(vertices))
         std::printf("  %zu of %zu vertices see nothing of the sky: a closed room, or faces that are wound inside out\n", closed, vertices);
+    if (!a.whyRays.empty())
+        std::printf("  %s asks for rays; without it a height map is swept, which is faster by far\n", a.whyRays.c_str());
     if (!a.drawnAs.empty())
         std::printf("  %s is made from the four numbers when it is drawn: they are what was stored, as by --model %s\n", a.drawnAs.c_str(),
                     a.model.c_str());
@@ -203,7 +205,10 @@ std::string whyNoRecipe(const std::string& name) {
 void addBakeCommand(CLI::App& program) {
     auto a = std::make_shared<Arguments>();
     CLI::App& command = *program.add_subcommand("bake", "ray trace what a scene sees of the sky, into a glTF asset");
-    std::string names;
+    std::string names, fromFour;
+    for (const Model& model : models())
+        if (model.fromVisibility && !model.baseline && !findRecipe(model.name))
+            fromFour += (fromFour.empty() ? "" : ", ") + std::string(model.name);
     for (const Recipe& recipe : recipes()) {
         names += "  ";
         names += recipe.name;
@@ -211,7 +216,9 @@ void addBakeCommand(CLI::App& program) {
         names += recipe.what;
         names += '\n';
     }
-    command.footer("Models:\n" + names + "Example: apertura bake statue.obj -o statue.glb --rays 1024");
+    command.footer(
+        "Models:\n" + names + "  " + fromFour
+        + " are made from the four numbers of sh when they are drawn\nExample: apertura bake statue.obj -o statue.glb --rays 1024");
     command.add_option("SCENE", a->scene, ".glb .gltf .obj .ply .stl, a height map .png .tif .exr, or builtin:NAME")->required();
     command.add_option("-o", a->out, "the asset, .glb")->required()->type_name("OUT.glb");
     command.add_option("--rays", a->bake.rays, "rays a vertex [256]")->check(CLI::Range(1, 1 << 20))->type_name("N");
@@ -326,6 +333,7 @@ void addBakeCommand(CLI::App& program) {
         if (!a->engine.empty() && !isHeightMap(a->scene)) throw CLI::ValidationError("--engine is for height maps");
         if (a->engine == "sweep" && !wantsRays.empty()) throw CLI::ValidationError(wantsRays + " is for --engine rays");
         a->isSwept = isHeightMap(a->scene) && (a->engine.empty() ? wantsRays.empty() : a->engine == "sweep");
+        if (isHeightMap(a->scene) && a->engine.empty()) a->whyRays = wantsRays;
         if (a->bounce && a->isSwept) throw CLI::ValidationError("--bounce wants rays: --engine rays");
         for (const char* const own : {"--error", "--mesh-error"})
             if (command.count(own) > 0 && !a->isSwept)

@@ -29,12 +29,16 @@ Place placeUnder(const Scene& scene) {
     return {{0.5f * (box.low.x + box.high.x), below, 0.5f * (box.low.z + box.high.z)}, kGroundSize * extent};
 }
 
-// About its middle: what stands far from the origin has no digits to spare.
+// About its middle: what stands far from the origin has no digits to spare. Half of the columns and rows lie beneath the scene, where its
+// shadow begins.
 Surface squareOf(float side) {
     Surface out;
+    const auto at = [&](int k) {
+        const float t = 2 * float(k) / kSquares - 1;
+        return 0.5f * side * t * std::abs(t);
+    };
     for (int z = 0; z <= kSquares; ++z)
-        for (int x = 0; x <= kSquares; ++x)
-            out.positions.emplace_back(side * (float(x) / kSquares - 0.5f), 0, side * (float(z) / kSquares - 0.5f));
+        for (int x = 0; x <= kSquares; ++x) out.positions.emplace_back(at(x), 0, at(z));
     for (const glm::vec3& p : out.positions) out.coordinates.emplace_back(p.x / side + 0.5f, p.z / side + 0.5f);
     out.normals.assign(out.positions.size(), {0, 1, 0});
     for (uint32_t z = 0; z < kSquares; ++z)
