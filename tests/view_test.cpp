@@ -49,7 +49,7 @@ protected:
                                  + folder->path.string() + " --size 200x120 --validate " + more,
                              screen->words);
         EXPECT_EQ(r.code, 0) << r.error;
-        EXPECT_EQ(r.error, "");
+        EXPECT_EQ(withoutProgress(r.error), "");
         return r.out;
     }
     static Folder* folder;
