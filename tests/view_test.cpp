@@ -167,7 +167,7 @@ TEST_F(View, SaysWhatIsWrongInOneLine) {
     const auto refused = [&](const std::string& arguments, int code, const std::string& cause, const std::string& before) {
         const Result r = run("view " + arguments, before);
         EXPECT_EQ(r.code, code) << arguments << r.error;
-        EXPECT_EQ(lines(r.error), 1) << r.error;
+        EXPECT_EQ(lines(withoutProgress(r.error)), 1) << r.error;
         EXPECT_NE(r.error.find(cause), std::string::npos) << r.error;
     };
     refused(glb, 1, "no window can be shown", "env -u DISPLAY -u WAYLAND_DISPLAY");
