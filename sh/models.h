@@ -19,7 +19,8 @@ enum class Field {
     None,      // ends the list
     Cap,       // an aperture; 3 numbers: x and y of the axis by octahedral mapping, and radius / pi
     Lobe,      // slope s and offset o; 4 numbers: x and y of the slope's axis, |s| / (|s| + 4), and the edge o / sqrt(1 + s^2 + o^2)
-    HardLobe,  // a lobe with |s| = kHardSharpness or kSofterSharpness; 3 numbers: x and y of its axis, and 1/2 + edge / 2
+    HardLobe,  // a lobe with |s| = kHardSharpness or kSofterSharpness; 3 numbers: x and y of its axis, and 1/2 + rim / 2, where with x = o
+               // / |s| the rim is .9 asin(.97991 x) / 1.37 for |x| up to 1, and +-(.9 + .1 cbrt(|x| - 1)) up to 2
     Bend,      // an AperturaSoftQuadric's bend, in two slots; 5 numbers
     Heights4,  // sines of elevation at 4, 8, 16 or 32 azimuths (shaders/horizon.glsl), four to a slot; as many numbers
     Heights8,
@@ -116,7 +117,11 @@ int storedNumbers(const Model& model);
 void packParams(const Model& model, const ModelParams& params, std::span<float> numbers);
 ModelParams unpackParams(const Model& model, std::span<const float> numbers);
 
-// What bytes (8 bits) or shorts (16) add at most to the apertures and lobes of a stored model, radians; 0 where it has none.
+// Makes the numbers of an asset of 0.1, whose hard lobes have edges for rims, those of today.
+void fromPacking1(const Model& model, std::span<float> numbers);
+
+// What bytes (8 bits) or shorts (16) add at most to the apertures and lobes of a stored model, each number rounded by itself, radians; 0
+// where it has none.
 //   axis  the angle between axes: the octahedral mapping turns a step in x or y by at most 3 sqrt(2), at the middle of a face
 //   edge  of the radius of an aperture; of the edge of a lobe where it passes at a right angle to the axis, nearer to which or farther
 //         from which it moves more. Of `auto`, the largest of the models that it may choose

@@ -62,19 +62,32 @@ void unpackLobe(const float* in, vec4* slots) {
     *slots = vec4(slope * unpackAxis(in), fromEdge(in[3], slope));
 }
 
+// The rim of a hard lobe, -1..1: where its edge stands by the ratio x of its offset to its slope. Its angle from the plane of the axis,
+// nearly: even steps of x, or of the edge above, would leave none for small openings, whose x is near 1. Beyond 1 the lobe has no edge.
+constexpr float kRimShare = 0.9f, kRimCurve = 1.37f;
+float toRim(float offset, float slope) {
+    const float x = std::abs(offset) / slope;
+    const float rim = x <= 1 ? kRimShare * std::asin(x * std::sin(kRimCurve)) / kRimCurve
+                             : kRimShare + (1 - kRimShare) * std::min(std::cbrt(x - 1), 1.0f);
+    return std::copysign(rim, offset);
+}
+float fromRim(float rim, float slope) {
+    const float share = std::abs(rim) / kRimShare, beyond = (std::abs(rim) - kRimShare) / (1 - kRimShare);
+    const float x = share <= 1 ? std::sin(share * kRimCurve) / std::sin(kRimCurve) : 1 + beyond * beyond * beyond;
+    return std::copysign(x * slope, rim);
+}
+
 bool isSofter(const vec4& hardLobe) { return length(vec3(hardLobe)) < 0.5f * (kHardSharpness + kSofterSharpness); }
 void packHardLobe(const vec4* slots, float* out) {
     packAxis(vec3(*slots), out);
     // 0..1, which leaves the sign for a flag
-    out[2] = 0.5f + 0.5f * toEdge(finiteOrZero(slots->w), isSofter(*slots) ? kSofterSharpness : kHardSharpness);
+    out[2] = 0.5f + 0.5f * toRim(finiteOrZero(slots->w), isSofter(*slots) ? kSofterSharpness : kHardSharpness);
 }
 void unpackHardLobe(const float* in, vec4* slots) {
-    *slots = vec4(kHardSharpness * unpackAxis(in), fromEdge(2 * std::abs(in[2]) - 1, kHardSharpness));
+    *slots = vec4(kHardSharpness * unpackAxis(in), fromRim(2 * std::abs(in[2]) - 1, kHardSharpness));
 }
-// Its edge stays where it is.
-void soften(vec4& hardLobe) {
-    hardLobe = vec4(vec3(hardLobe) * (kSofterSharpness / kHardSharpness), fromEdge(toEdge(hardLobe.w, kHardSharpness), kSofterSharpness));
-}
+// Its rim stays where it is.
+void soften(vec4& hardLobe) { hardLobe *= kSofterSharpness / kHardSharpness; }
 
 void packBend(const vec4* slots, float* out) {
     for (int i = 0; i < 5; ++i) {
@@ -232,6 +245,16 @@ bool mayPair(const Model& model) { return model.parts >= 3 && hasHardLobes(model
 
 }  // namespace
 
+void fromPacking1(const Model& model, std::span<float> numbers) {
+    if (!hasHardLobes(model)) return;
+    const float slope = numbers[softerFlag(model)] < 0 ? kSofterSharpness : kHardSharpness;
+    for (size_t k = 0; k < size_t(model.parts); ++k) {
+        float& number = numbers[3 * k + 2];
+        const float now = 0.5f + 0.5f * toRim(fromEdge(2 * std::abs(number) - 1, slope), slope);
+        number = number < 0 ? -std::max(now, 1e-6f) : now;
+    }
+}
+
 int storedNumbers(const Model& model) {
     int sum = 0;
     forFields(model, [&](const Packing& packing, size_t, size_t) { sum += packing.numbers; });
@@ -274,9 +297,9 @@ ParamsError paramsError(const Model& model, int bits) {
             out = {std::max(out.axis, own.axis), std::max(out.edge, own.edge)};
         }
     for (const Field field : model.stored) {
-        // An edge e is o / sqrt(1 + s^2 + o^2), and stands at the angle asin(o / s) from the plane of the axis.
+        // An edge e is o / sqrt(1 + s^2 + o^2), and stands at the angle asin(o / s) from the plane of the axis, as a rim does.
         const double edge = field == Field::Cap      ? APERTURA_PI * half
-                          : field == Field::HardLobe ? 2 * half * std::sqrt(1 + 1 / double(kSofterSharpness * kSofterSharpness))
+                          : field == Field::HardLobe ? 2 * half * kRimCurve / (kRimShare * std::sin(kRimCurve))
                           : field == Field::Lobe     ? half * std::sqrt(1 + 1 / double(kMiddleSlope * kMiddleSlope))
                                                      : 0;
         out.edge = std::max(out.edge, edge);

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "apertura/bake/fit/rounding.h"
 #include "apertura/bake/sampling/samples.h"
 #include "apertura/runtime/asset/asset.h"
 #include "apertura/runtime/asset/bounces.h"
@@ -119,9 +120,11 @@ nlohmann::ordered_json describe(const std::string& file) {
                                  {"direction_degrees_of_a_cap", std::asin(error.direction / 0.5) * 180 / std::numbers::pi},
                                  {"radius_degrees", error.radius * 180 / std::numbers::pi}}}};
     if (stored)
-        if (const ParamsError own = paramsError(*stored, asset.info.bits); own.axis > 0)
-            out["error_bounds"]["model"] = {{"axis_degrees", own.axis * 180 / std::numbers::pi},
-                                            {"edge_degrees", own.edge * 180 / std::numbers::pi}};
+        if (const ParamsError own = paramsError(*stored, asset.info.bits); own.axis > 0) {
+            const double farther = roundedFarther(*stored, asset.info.bits), degrees = farther * 180 / std::numbers::pi;
+            out["error_bounds"]["model"] = {
+                {"axis_degrees", own.axis * degrees}, {"edge_degrees", own.edge * degrees}, {"chosen_together", farther > 1}};
+        }
     if (asset.info.rays > 0 && asset.info.azimuths == 0) {
         const RaysError rays = raysError(asset.info.rays);
         out["rays_add"] = {{"area_of_hemisphere", rays.area}, {"direction_degrees", rays.direction * 180 / std::numbers::pi}};
@@ -205,8 +208,9 @@ void print(const nlohmann::ordered_json& d) {
         e["radius_degrees"].get<double>());
     if (e.contains("model"))
         std::printf(
-            "                of the model's: axes %.3f degrees, edges %.3f degrees, more where they are far from the middle of the sky\n",
-            e["model"]["axis_degrees"].get<double>(), e["model"]["edge_degrees"].get<double>());
+            "                of the model's: axes %.3f degrees, edges %.3f degrees, more where they are far from the middle of the sky%s\n",
+            e["model"]["axis_degrees"].get<double>(), e["model"]["edge_degrees"].get<double>(),
+            e["model"]["chosen_together"].get<bool>() ? "; chosen together so that light of 5 degrees errs by .001 to .005 (RMS)" : "");
     if (d.contains("rays_add"))
         std::printf(
             "  rays add      about %.2g of the hemisphere in area and %.2g degrees in direction (RMS; up to six times as much at some "

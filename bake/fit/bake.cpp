@@ -1,6 +1,7 @@
 #include "apertura/bake/fit/bake.h"
 
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <optional>
@@ -8,6 +9,7 @@
 #include "apertura/bake/fit/agree.h"
 #include "apertura/bake/fit/choose.h"
 #include "apertura/bake/fit/faces.h"
+#include "apertura/bake/fit/rounding.h"
 #include "apertura/bake/fit/texels.h"
 #include "apertura/bake/sampling/progress.h"
 #include "apertura/bake/sampling/surface_points.h"
@@ -67,6 +69,10 @@ Neighbours neighboursOf(const Scene& scene, const VertexPoints& vertices) {
 }
 
 }  // namespace
+
+int defaultRays(const Recipe& recipe) {
+    return recipe.model >= 0 && recipe.model != APERTURA_MODEL_AUTO && canAgree(models()[size_t(recipe.model)]) ? 1024 : 256;
+}
 
 AutoPlan planAuto(const OcclusionSource& source, std::span<const SurfacePoint> points, const FitTools& tools, const BakeOptions& options,
                   double tolerance, const Progress& progress) {
@@ -142,11 +148,12 @@ BakedVisibility bakeAt(const Scene& scene, const OcclusionSource& source, const 
     if (!agreeing) return out;
     agree(*model, FitTools(options.rays, useOf(recipeNamed(options.recipe))), fitOptionsOf(bakeOptions), fitted,
           neighboursOf(scene, vertices), options.seed, part(baking, 0.7, 1));
-    for (size_t k = 0; k < fitted.size(); ++k) {
+    tbb::parallel_for(size_t(0), fitted.size(), [&](size_t k) {
         const auto [instance, vertex] = vertices.places[k];
+        const glm::mat3 toLocal = glm::transpose(rotationPart(scene.instances[instance].toWorld));
         out[instance].visibility[vertex] = fitted[k].baked.visibility;
-        out[instance].allParams[vertex] = fitted[k].baked.params;
-    }
+        out[instance].allParams[vertex] = roundedParams(*model, fitted[k].baked.params, points[k].normal, toLocal, options.bits);
+    });
     return out;
 }
 

@@ -22,7 +22,7 @@ struct BakeOptions {
     double tolerance = 0.05;         // "auto" only: the RMSE of E / (L pi sin^2 r) to keep
     double lambda = 0;               // "auto" only: see FitOptions; bakeVertices finds it itself
     Price price = Price::Numbers;    // "auto" only
-    int rays = 256;                  // a point, 1 .. 1 << 20; 1024 and more keep the edges of fitted models steady between vertices
+    int rays = 256;                  // a point, 1 .. 1 << 20; see defaultRays
     uint32_t seed = 1;               // of the spin of each point's directions
     double maxDistance = 0;          // bakeVertices only: metres beyond which nothing blocks; 0: no limit
     bool terrain = false;            // bakePoints only: see FitOptions; bakeVertices takes it from the scene
@@ -37,6 +37,10 @@ struct BakeOptions {
     int texels = 256;             // At::Texels: of each image, across and down
     As as = As::Visibility;       // At::Texels
 };
+
+// 256 rays a point do; 1024 for a model whose lobes or caps are fitted: by fewer its edges lie beside the true ones, on a building that is
+// open here and there at twice the error. `auto`, which fits many models to each point, goes by 256.
+int defaultRays(const Recipe& recipe);
 
 struct FaceReport;   // bake/fit/faces.h
 struct TexelReport;  // bake/fit/texels.h

@@ -2,31 +2,35 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <unordered_map>
 
 #include "apertura/bake/fit/agree.h"
 #include "apertura/bake/fit/choose.h"
+#include "apertura/bake/fit/rounding.h"
 #include "apertura/bake/sampling/directions.h"
 #include "apertura/runtime/asset/faces.h"
 
 namespace apertura {
 namespace {
 
-constexpr float kInside = 0.05f;  // how far a sample with no probes about it looks from inside its triangle, of the way to its middle
+constexpr float kInside = 0.05f;  // how far a sample looks from inside its triangle, of a step of its lattice
+constexpr double kStraight =
+    0.015;  // where what a sample sees differs from what is fitted there by no more, visibility is straight about it
 
-// A point of a face that a sample's rays start from, and its share of them.
-struct Origin {
-    uint32_t face, probe;
-    float weight;
-};
+// How far the four numbers of samples are from others, of the hemisphere's area.
+double difference(const Samples& samples, const glm::mat3& frame, const Visibility& other) {
+    const Visibility own = project(samples);
+    return glm::length(glm::vec4(frame * own.direction - other.direction, own.area - other.area)) / (2 * std::numbers::pi);
+}
 
 // A sample that is baked once, though several faces may have it.
 struct Site {
     uint32_t face;
     int sample;
-    std::vector<Origin> origins;
+    std::vector<FaceBaker::Origin> origins;
 };
 
 // The samples of an instance's faces, and where each face's samples are among them.
@@ -77,44 +81,64 @@ FaceBaker::FaceBaker(const Scene& scene, const Prober& prober, const OcclusionSo
       tools_(options.rays, useOf(recipe_)),
       fitOptions_{options.tolerance, options.lambda, options.price, scene.isTerrain} {}
 
+std::vector<uint8_t> FaceBaker::seenFrom(const SurfacePoint& point, const glm::mat3& frame) const {
+    std::vector<glm::vec3> turned;
+    turned.reserve(tools_.lattice.directions().size());
+    for (const glm::vec3& d : tools_.lattice.directions()) turned.push_back(frame * d);
+    std::vector<uint8_t> blocked(turned.size());
+    source_.occluded(point, turned, blocked.data());
+    return blocked;
+}
+
+std::vector<uint8_t> FaceBaker::seenAround(std::span<const Origin> origins, std::span<const Face> faces, const glm::mat3& frame,
+                                           double start) const {
+    const std::span<const glm::vec3> directions = tools_.lattice.directions();
+    double all = 0;
+    for (const Origin& origin : origins) all += origin.weight;
+    // Each origin gets its share of directions that spread over the whole hemisphere.
+    std::vector<std::vector<size_t>> shares(origins.size());
+    for (size_t k = 0; k < directions.size(); ++k) {
+        double left = std::fmod(start + 0.6180339887498949 * double(k), 1.0) * all;
+        size_t o = 0;
+        while (o + 1 < origins.size() && left >= origins[o].weight) left -= origins[o++].weight;
+        shares[o].push_back(k);
+    }
+    std::vector<uint8_t> blocked(directions.size()), some(directions.size());
+    std::vector<glm::vec3> turned;
+    for (size_t o = 0; o < shares.size(); ++o) {
+        if (shares[o].empty()) continue;
+        turned.clear();
+        for (const size_t k : shares[o]) turned.push_back(frame * directions[k]);
+        const Face& face = faces[origins[o].face];
+        source_.occluded(prober_.pointAt(face.instance, face.triangle, face.probes[origins[o].probe].weights), turned, some.data());
+        for (size_t n = 0; n < turned.size(); ++n) blocked[shares[o][n]] = some[n];
+    }
+    return blocked;
+}
+
 size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unknowns& unknowns, SeenOnFaces& seen,
                        ProgressCounter& counter) const {
     const std::span<const glm::vec3> directions = tools_.lattice.directions();
+    std::atomic<size_t> traced = 0;
     const Sites sites(unknowns, faces, seen);
     std::vector<BakedPoint> baked(sites.all.size());
     const bool agreeing = recipe_.model >= 0 && canAgree(models()[size_t(recipe_.model)]);
     std::vector<FittedPoint> fitted(agreeing ? baked.size() : 0);
     tbb::parallel_for(tbb::blocked_range<size_t>(0, baked.size(), 8), [&](const tbb::blocked_range<size_t>& range) {
-        std::vector<uint8_t> blocked(directions.size()), some(directions.size());
         for (size_t s = range.begin(); s < range.end() && !counter.stopped(); ++s) {
             const Site& site = sites.all[s];
-            const Face& face = faces[site.face];
-            const glm::vec3 weights = latticePoint(site.sample, aperturaLatticeSteps(face.level));
-            const SurfacePoint point = prober_.pointAt(face.instance, face.triangle, glm::mix(weights, glm::vec3(1 / 3.0f), kInside));
             const double start = hashUnit(options_.seed, instance << 40 | s, 3);
+            const Face& face = faces[site.face];
+            const int steps = aperturaLatticeSteps(face.level);
+            const glm::vec3 at = glm::mix(latticePoint(site.sample, steps), glm::vec3(1 / 3.0f), kInside / float(steps));
+            const SurfacePoint point = prober_.pointAt(face.instance, face.triangle, at);
             const glm::mat3 frame = frameFromZ(point.normal, 2 * std::numbers::pi * start);
-            double all = 0;
-            for (const Origin& origin : site.origins) all += origin.weight;
-            // Each origin gets its share of directions that spread over the whole hemisphere.
-            std::vector<std::vector<size_t>> shares(std::max<size_t>(site.origins.size(), 1));
-            for (size_t k = 0; k < directions.size(); ++k) {
-                double left = std::fmod(start + 0.6180339887498949 * double(k), 1.0) * all;
-                size_t o = 0;
-                while (o + 1 < site.origins.size() && left >= site.origins[o].weight) left -= site.origins[o++].weight;
-                shares[o].push_back(k);
-            }
-            std::vector<glm::vec3> turned;
-            for (size_t o = 0; o < shares.size(); ++o) {
-                if (shares[o].empty()) continue;
-                turned.clear();
-                for (const size_t k : shares[o]) turned.push_back(frame * directions[k]);
-                SurfacePoint from = point;
-                if (!site.origins.empty()) {
-                    const Face& other = faces[site.origins[o].face];
-                    from = prober_.pointAt(other.instance, other.triangle, other.probes[site.origins[o].probe].weights);
-                }
-                source_.occluded(from, turned, some.data());
-                for (size_t n = 0; n < turned.size(); ++n) blocked[shares[o][n]] = some[n];
+            const Visibility& fitted4 = seen.visibility[(face.level ? seen.first[face.triangle] : 0) + size_t(site.sample)];
+            std::vector<uint8_t> blocked = seenFrom(point, frame);
+            traced += directions.size();
+            if (!site.origins.empty() && difference(Samples(tools_.lattice, blocked), frame, fitted4) > kStraight) {
+                blocked = seenAround(site.origins, faces, frame, start);
+                traced += directions.size();
             }
             Samples samples(tools_.lattice, blocked);
             samples.source = &source_;
@@ -133,7 +157,11 @@ size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unkno
             return !counter.stopped();
         };
         agree(models()[size_t(recipe_.model)], tools_, fitOptions_, fitted, sites.neighbours(faces, seen), options_.seed, report);
-        for (size_t s = 0; s < baked.size(); ++s) baked[s] = fitted[s].baked;
+        const glm::mat3 toLocal = glm::transpose(rotationPart(prober_.scene().instances[instance].toWorld));
+        tbb::parallel_for(size_t(0), baked.size(), [&](size_t s) {
+            baked[s] = fitted[s].baked;
+            baked[s].params = roundedParams(models()[size_t(recipe_.model)], baked[s].params, fitted[s].frame[2], toLocal, options_.bits);
+        });
     }
     if (recipe_.model >= 0) seen.allParams.resize(seen.visibility.size());
     for (size_t n = 0; n < seen.visibility.size(); ++n) {
@@ -142,7 +170,7 @@ size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unkno
         if (recipe_.model < 0 || recipe_.model == APERTURA_MODEL_AUTO) seen.visibility[n] = b.visibility;
         if (recipe_.model >= 0) seen.allParams[n] = b.params;
     }
-    return baked.size() * directions.size();
+    return traced;
 }
 
 }  // namespace apertura

@@ -17,6 +17,8 @@ constexpr int kCoarse = 5;        // lattices up to this level are too coarse, o
 constexpr double kShared = 3;     // witnesses that the mean of a level's faces counts as
 constexpr double kSpread = 0.28;  // of the squared spread of three samples' lights: what mixing these errs as hard edges move between them
 
+constexpr size_t kUnseen = 1 << 20;  // number of the first witness of a triangle that took no part in choosing its samples
+
 // Witnesses that judge a lattice.
 size_t witnessesFor(int level) {
     return std::max(size_t(8), size_t(aperturaLatticeSteps(level)) * size_t(aperturaLatticeSteps(level)) / 2);
@@ -126,6 +128,50 @@ void FaceSet::measure(std::span<const size_t> refined) {
             [](const Unknowns&, const std::vector<Visibility>&) {});
     });
     shareErrors();
+}
+
+UnseenPoints FaceSet::atUnseenPoints(const BakedVisibility& stored, int count, int batch) const {
+    const std::vector<SurfaceSample> points = sampleSurface(scene, count, seed + 1 + uint32_t(batch));
+    UnseenPoints out;
+    out.points.resize(points.size());
+    std::vector<SquaredErrors> errors(points.size());
+    tbb::parallel_for(size_t(0), points.size(), [&](size_t k) {
+        const auto instance = size_t(points[k].instance);
+        const auto triangle = uint32_t(points[k].triangle);
+        const SeenByInstance& own = stored[instance];
+        Face face{uint32_t(instance), triangle, 0, false};
+        face.level = own.faces.level(triangle);
+        face.witnesses = {prober.witness(instance, triangle, kUnseen + size_t(batch) * kUnseenPoints + k)};
+        std::vector<Visibility> samples;
+        samples.reserve(size_t(std::max(samplesOn(face.level), 3)));
+        for (int i = 0; i < samplesOn(face.level); ++i) samples.push_back(own.faces.visibility[own.faces.first[triangle] + size_t(i)]);
+        if (face.level == 0)
+            for (const uint32_t v : surfaceOf(instance).triangles[triangle]) samples.push_back(own.visibility[v]);
+        errors[k] = errorsOf(face, samples);
+        const std::span<const Face> faces = facesOf(instance);
+        const auto found = std::lower_bound(faces.begin(), faces.end(), triangle,
+                                            [](const Face& other, uint32_t t) { return other.triangle < t; });
+        const bool isFace = found != faces.end() && found->triangle == triangle;  // else it has hardly an area
+        out.points[k] = {isFace ? firstFace[instance] + size_t(found - faces.begin()) : SIZE_MAX, face.witnesses[0]};
+    });
+    double seen = 0;
+    for (size_t k = 0; k < points.size(); ++k) {
+        out.errors.light += errors[k].light, out.errors.sky += errors[k].sky;
+        seen += !out.points[k].second.buried;
+    }
+    out.errors.light /= std::max(seen, 1.0), out.errors.sky /= std::max(seen, 1.0);
+    std::erase_if(out.points, [](const auto& p) { return p.first == SIZE_MAX; });
+    return out;
+}
+
+void FaceSet::addWitnesses(const UnseenPoints& unseen) {
+    std::vector<size_t> touched;
+    for (const auto& [f, witness] : unseen.points) {
+        faces[f].witnesses.push_back(witness);
+        addProbes(faces[f], 0, 0);
+        touched.push_back(f);
+    }
+    if (!touched.empty()) measure(touched);
 }
 
 void FaceSet::refineFaces(std::span<const size_t> which, bool mayTie) {

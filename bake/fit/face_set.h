@@ -7,6 +7,14 @@
 
 namespace apertura {
 
+constexpr int kUnseenPoints = 3000;  // over the surface, from which what is left of the error is estimated
+
+// Points that took no part in choosing samples.
+struct UnseenPoints {
+    std::vector<std::pair<size_t, Probe>> points;  // the face of each, of FaceSet::faces
+    SquaredErrors errors;                          // the means over those that are not buried
+};
+
 struct FaceSet {  // must not outlive what it refers to
     const Scene& scene;
     const Prober& prober;
@@ -25,6 +33,9 @@ struct FaceSet {  // must not outlive what it refers to
         return std::span(faces).subspan(firstFace[instance], firstFace[instance + 1] - firstFace[instance]);
     }
     double total(const SquaredErrors& e) const { return e.light + skyWeight * e.sky; }
+    bool isWithin(const SquaredErrors& e, double tolerance) const {  // as means over many points are, whose noise may outweigh either
+        return std::max(e.light, 0.0) + skyWeight * std::max(e.sky, 0.0) <= tolerance * tolerance;
+    }
 
     // The mean squared errors at a face's witnesses of what the renderer makes of `samples`, those of its lattice or its three corners.
     SquaredErrors errorsOf(const Face& face, std::span<const Visibility> samples) const;
@@ -44,6 +55,15 @@ struct FaceSet {  // must not outlive what it refers to
     // The errors of faces as they stand: of all of them or, where only those in `refined` have changed since they were measured last, of
     // these and of what touches them.
     void measure(std::span<const size_t> refined = {});
+
+    // New points over the surface, and what is stored errs there.
+    //   stored  as Faces::fit returns it
+    //   count   at most kUnseenPoints
+    //   batch   of points: each number has its own
+    UnseenPoints atUnseenPoints(const BakedVisibility& stored, int count, int batch) const;
+
+    // Makes such points witnesses of the faces that they lie on, and measures these again.
+    void addWitnesses(const UnseenPoints& unseen);
 
     // Refines each of the faces, by their numbers, by one level, and fits each alone. `mayTie`: see FaceOptions::isFitted.
     void refineFaces(std::span<const size_t> which, bool mayTie);

@@ -21,9 +21,9 @@ constexpr double kWorth = 0.4;      // the least fraction of the squared error t
                                     // tenth more bytes, four in a hundred,
 constexpr double kLittle = 65536;   // where what so many samples take counts as spent
 constexpr int kMostRounds = 60;
-constexpr double kGrading = 0.9;     // of the progress, where grading begins
-constexpr int kReportPoints = 3000;  // over the surface, from which what is left of the error is estimated
-constexpr size_t kUnseen = 1 << 20;  // number of the first witness of a triangle that took no part in choosing its samples
+constexpr double kGrading = 0.9;  // of the progress, where grading begins
+constexpr int kMostChecks =
+    4;  // of what witnesses say, at points that are new to all: so many or, where finer samples are hardly worth their bytes, one
 
 }  // namespace
 
@@ -50,7 +50,7 @@ Faces::Faces(const Scene& scene, const Prober& prober, const BakedVisibility& ve
     double allVertices = 0;
     for (const SeenByInstance& seen : vertices) allVertices += double(seen.visibility.size());
     const double many = std::min(prober.witnessesASample(), 4.0);
-    const double witnessed = 0.8 * many * allVertices / double(std::max<size_t>(set.faces.size(), 1));
+    const double witnessed = 0.7 * many * allVertices / double(std::max<size_t>(set.faces.size(), 1));
     ProgressCounter counter(progress, set.faces.size());
     tbb::parallel_for(tbb::blocked_range<size_t>(0, set.faces.size(), 64), [&](const tbb::blocked_range<size_t>& range) {
         if (counter.stopped()) return;
@@ -86,7 +86,6 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
     double area = 0, whole = 0, bytes = options.bytesElsewhere;
     for (const Face& face : set.faces) area += face.area * face.open, whole += face.area;
     const double little = kLittle * options.bytesASample;
-    const double allowed = options.tolerance * options.tolerance * area;
     for (const Face& face : set.faces) bytes += options.bytesASample * samplesOn(face.level);
     if (options.maxBytes > 0 && bytes > options.maxBytes) {
         for (Face& face : set.faces) face.level = 0;
@@ -94,15 +93,29 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
         set.measure();
     }
     bool full = false, settled = false;
+    int checks = 0;
+    const auto samples = [&] { return int(std::min((bytes - options.bytesElsewhere) / options.bytesASample, 1e9)); };
+    // Faces are left as they are because their witnesses see little, and few of these may have seen too little. So what they say is held
+    // against new points; where these say otherwise they become witnesses, too.
+    const auto holds = [&] {
+        if (full) return true;
+        const UnseenPoints unseen = set.atUnseenPoints(fit(), std::clamp(samples() / 10, 300, kUnseenPoints), checks++);
+        if (set.isWithin(unseen.errors, options.tolerance)) return true;
+        set.addWitnesses(unseen);
+        return false;
+    };
     std::vector<size_t> refined;  // since all were judged
     // Faces are refined each by itself, and then judged again as they are when all are fitted together.
     for (int round = 0, since = 0; round < kMostRounds; ++round, ++since) {
         throwIfStopped(progress, kGrading * double(round) / kMostRounds);
-        double error = 0;
-        for (const Face& face : set.faces) error += face.area * face.open * face.error;
+        double error = 0, allowed = 0;
+        for (const Face& face : set.faces) {
+            error += face.area * face.open * face.error;
+            allowed += face.area * face.open * options.tolerance * options.tolerance;
+        }
         if (error <= allowed) {
-            if (since == 0) break;
-            set.measure(refined);
+            if (since == 0 && (checks == kMostChecks || holds())) break;
+            if (since > 0) set.measure(refined);
             refined.clear();
             since = -1;
             continue;
@@ -137,6 +150,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
             chosen.push_back(step.face);
         }
         if (chosen.empty()) {
+            if (checks == 0 && !holds()) continue;
             settled = true;
             break;
         }
@@ -164,28 +178,9 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
 }
 
 void Faces::judge(const BakedVisibility& stored) {
-    const FaceSet& set = *set_;
-    const std::vector<SurfaceSample> points = sampleSurface(set.scene, kReportPoints, set.seed + 1);
-    std::vector<SquaredErrors> errors(points.size());
-    std::vector<uint8_t> seen(points.size());
-    tbb::parallel_for(size_t(0), points.size(), [&](size_t k) {
-        const SeenByInstance& own = stored[size_t(points[k].instance)];
-        Face face{uint32_t(points[k].instance), uint32_t(points[k].triangle), 0, false};
-        face.level = own.faces.level(face.triangle);
-        face.witnesses = {set.prober.witness(face.instance, face.triangle, kUnseen + k)};
-        std::vector<Visibility> samples;
-        samples.reserve(size_t(std::max(samplesOn(face.level), 3)));
-        for (int i = 0; i < samplesOn(face.level); ++i) samples.push_back(own.faces.visibility[own.faces.first[face.triangle] + size_t(i)]);
-        if (face.level == 0)
-            for (const uint32_t v : set.surfaceOf(face.instance).triangles[face.triangle]) samples.push_back(own.visibility[v]);
-        seen[k] = !face.witnesses[0].buried;
-        errors[k] = set.errorsOf(face, samples);
-    });
-    SquaredErrors sum;
-    double count = 0;
-    for (size_t k = 0; k < points.size(); ++k) sum.light += errors[k].light, sum.sky += errors[k].sky, count += seen[k];
-    set_->report.error = std::sqrt(std::max(sum.light, 0.0) / std::max(count, 1.0));
-    set_->report.skyError = std::sqrt(std::max(sum.sky, 0.0) / std::max(count, 1.0));
+    const SquaredErrors left = set_->atUnseenPoints(stored, kUnseenPoints, kMostChecks).errors;
+    set_->report.error = std::sqrt(std::max(left.light, 0.0));
+    set_->report.skyError = std::sqrt(std::max(left.sky, 0.0));
 }
 
 BakedVisibility Faces::fit() const {

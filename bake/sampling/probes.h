@@ -30,6 +30,7 @@ public:
     // Where the rays of a point of a triangle start.
     SurfacePoint pointAt(size_t instance, size_t triangle, const glm::vec3& weights) const;
 
+    const Scene& scene() const { return scene_; }
     size_t rays() const { return rays_; }  // traced so far
 
     // How many witnesses take the rays of one baked sample, at least 1.

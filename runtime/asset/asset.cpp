@@ -12,6 +12,7 @@
 #include "apertura/runtime/asset/gltf.h"
 #include "apertura/runtime/asset/gltf_writer.h"
 #include "apertura/runtime/asset/model_numbers.h"
+#include "apertura/runtime/asset/params_stream.h"
 #include "apertura/runtime/asset/primitive.h"
 #include "apertura/runtime/asset/texels.h"
 #include "apertura/sh/packing.h"
@@ -225,6 +226,10 @@ BakeInfo readInfo(const Json& said, const std::string& name) {
     info.unmetArea = number("unmetArea", 0);
     info.alone = text("alone");
     info.bounce = text("bounce");
+    const double packing = number("packing", 1);
+    if (storedModel(info) && packing != 1 && packing != kPacking)
+        throw Error(name + ": its model's numbers are packed in a way that is not known here");
+    info.packing = storedModel(info) ? int(packing) : kPacking;
     return info;
 }
 
@@ -288,6 +293,7 @@ void writeAsset(const std::string& path, const Scene& given, const BakedVisibili
     addBouncesOnFaces(writer, scene, visibility);
     if (Json texels = addTexels(writer, scene, visibility, info.bits); !texels.is_null()) description["texels"] = std::move(texels);
     if (Json bent = addBentNormals(writer, scene, visibility, info.bits); !bent.is_null()) description["bentNormals"] = std::move(bent);
+    if (stored) description["packing"] = kPacking;
     asset["extras"]["apertura"] = description;
     writer.release(replaced);
     writer.write(path, file.name());

@@ -21,6 +21,7 @@ struct BakeInfo {
     int azimuths = 0;          // of a height map that was swept, along which; else 0
     double meshError = 0;      // metres that its texels lie above or below its mesh, at most
     int bits = 8;              // per component, 8 or 16
+    int packing = 2;           // that lobes were read from, see runtime/asset/params_stream.h; they are written in today's
     uint32_t seed = 1;
     double maxDistance = 0;  // metres beyond which nothing blocks; 0: no limit
     double rayOffset = 0;    // the most metres that rays start above the surface

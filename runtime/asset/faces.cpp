@@ -207,7 +207,8 @@ void readFaces(Asset& asset, const Json& described, std::span<const std::vector<
         }
         if (!stored) continue;
         try {
-            faces.allParams = unpackAllParams(*stored, numbers.first(lengths[i]), faces.visibility.size(), rotation, bits);
+            faces.allParams = unpackAllParams(*stored, numbers.first(lengths[i]), faces.visibility.size(), rotation, bits,
+                                              asset.info.packing);
         } catch (const Error& e) {
             throw Error(scene.name + ": its samples on faces: " + e.what());
         }

@@ -108,7 +108,7 @@ void unpackInto(Asset& asset, size_t i, const Model& stored, std::span<const uns
     const GltfDocument& document = *asset.scene.document;
     const size_t vertices = accessorCount(document, primitiveOf(document, instance)["attributes"]["_VISIBILITY"].get<size_t>());
     std::vector<ModelParams>& own = asset.seen[i].allParams;
-    own = unpackAllParams(stored, bytes, vertices, rotationPart(instance.toWorld), asset.info.bits);
+    own = unpackAllParams(stored, bytes, vertices, rotationPart(instance.toWorld), asset.info.bits, asset.info.packing);
     if (!pick(own, asset.scene.surfaces[size_t(instance.surface)].splitFrom)) throw Error("are fewer than vertices");
 }
 

@@ -46,7 +46,7 @@ std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelPa
 }
 
 std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld,
-                                         int bits) {
+                                         int bits, int packing) {
     std::span<const unsigned char> tags;
     const bool chosen = model.kind == ModelKind::Choice;
     if (chosen) {
@@ -63,6 +63,7 @@ std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const uns
         const size_t n = size_t(storedNumbers(own));
         if (bytes.size() < n * size_t(bits / 8)) throw Error("end too soon");
         for (size_t k = 0; k < n; ++k) numbers[k] = takeNumber(bytes, bits);
+        if (packing == 1) fromPacking1(own, std::span(numbers, n));
         if (n) out[i] = rotateParams(own, unpackParams(own, std::span(numbers, n)), toWorld);
         if (chosen) setChoice(out[i], own, tags[i] & 0x80);
     }

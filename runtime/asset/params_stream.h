@@ -14,6 +14,8 @@
 
 namespace apertura {
 
+constexpr int kPacking = 2;  // what packAllParams does, and an asset says that it holds
+
 // Packs one element of `allParams` per vertex.
 //   toLocal  rotation from the world to the frame of the primitive's vertices
 //   bits     per number, 8 or 16
@@ -21,7 +23,8 @@ std::vector<std::byte> packAllParams(const Model& model, std::span<const ModelPa
 
 // Unpacks the parameters of `count` vertices and rotates them by `toWorld`. Throws Error with the cause, without the file's
 // name, if there are too few bytes or too many, or a choice is not a model.
+//   packing  kPacking; or 1, see fromPacking1
 std::vector<ModelParams> unpackAllParams(const Model& model, std::span<const unsigned char> bytes, size_t count, const mat3& toWorld,
-                                         int bits);
+                                         int bits, int packing = kPacking);
 
 }  // namespace apertura

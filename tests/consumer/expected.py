@@ -48,8 +48,9 @@ def lobes(document, binary, vertex, attributes):
     def visible(w):
         product = 1
         for k in (0, 3):
-            edge = min(max(2 * abs(numbers[k + 2]) - 1, -.999), .999)
-            offset = edge * math.sqrt((1 + slope * slope) / (1 - edge * edge))
+            rim = 2 * abs(numbers[k + 2]) - 1
+            ratio = math.sin(abs(rim) / .9 * 1.37) / math.sin(1.37) if abs(rim) <= .9 else 1 + ((abs(rim) - .9) / .1) ** 3
+            offset = math.copysign(slope * ratio, rim)
             f = offset + slope * dot(octahedral(numbers[k], numbers[k + 1]), w)
             product *= .5 + f / (2 * math.sqrt(1 + f * f))
         return 1 - product if complement else product
