@@ -64,7 +64,7 @@ void unpackLobe(const float* in, vec4* slots) {
 
 // The rim of a hard lobe, -1..1: where its edge stands by the ratio x of its offset to its slope. Its angle from the plane of the axis,
 // nearly: even steps of x, or of the edge above, would leave none for small openings, whose x is near 1. Beyond 1 the lobe has no edge.
-constexpr float kRimShare = 0.9f, kRimCurve = 1.37f;
+constexpr float kRimShare = 0.9, kRimCurve = 1.37;
 float toRim(float offset, float slope) {
     const float x = std::abs(offset) / slope;
     const float rim = x <= 1 ? kRimShare * std::asin(x * std::sin(kRimCurve)) / kRimCurve

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <thread>
 
+#include "apertura/runtime/asset/asset.h"
 #include "tests/program.h"
 #include "tests/support.h"
 
@@ -200,6 +201,18 @@ TEST(Cli, WhatCannotBeWrittenIsSaidBeforeTheWork) {
         << "the name of an asset need not be UTF-8: it is not in it";
     EXPECT_EQ(run("bake " + plain + " -o " + (folder / std::string(251, 'n')) + ".glb --rays 4").code, 0);
     EXPECT_EQ(folder.files(), 4u);
+}
+
+TEST(Cli, ModelsWithHardEdgesTakeMoreRays) {
+    const Folder folder;
+    const std::string scene = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), glb = folder / "a.glb";
+    for (const auto& [model, rays] :
+         {std::pair("sh", 256), {"soft", 256}, {"soft-l2", 256}, {"auto", 256}, {"firm-2", 1024}, {"multi-2", 1024}}) {
+        ASSERT_EQ(run("bake " + scene + " -o " + glb + " --at vertices --model " + model).code, 0) << model;
+        EXPECT_EQ(loadAsset(glb).info.rays, rays) << model;
+    }
+    ASSERT_EQ(run("bake " + scene + " -o " + glb + " --at vertices --model firm-2 --rays 64").code, 0);
+    EXPECT_EQ(loadAsset(glb).info.rays, 64);
 }
 
 TEST(Cli, OutputThatCannotBeWrittenIsAFailure) {

@@ -308,6 +308,51 @@ TEST(BakeScene, StoresWhatVerticesCannot) {
     }
 }
 
+// A grate of square bars that cross each other in one plane, over a floor.
+Scene grate(int bars) {
+    Scene scene;
+    scene.name = "grate";
+    const auto add = [&](const glm::vec3& centre, const glm::vec3& half) {
+        Surface box;
+        for (int axis = 0; axis < 3; ++axis)
+            for (const float side : {-1.0f, 1.0f}) {
+                const auto first = uint32_t(box.positions.size());
+                glm::vec3 n(0), u(0), v(0);
+                n[axis] = side, u[(axis + 1) % 3] = 1, v[(axis + 2) % 3] = side;
+                for (const auto& [a, b] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+                    box.positions.push_back(centre + half * (n + float(a) * u + float(b) * v));
+                    box.normals.push_back(n);
+                }
+                box.triangles.push_back({first, first + 1, first + 2});
+                box.triangles.push_back({first, first + 2, first + 3});
+            }
+        scene.instances.push_back({int(scene.surfaces.size()), glm::mat4(1)});
+        scene.surfaces.push_back(box);
+    };
+    add({0, -0.1f, 0}, {1.5f, 0.1f, 1.5f});
+    for (int i = 0; i < bars; ++i) {
+        const float at = -1 + 2 * (float(i) + 0.5f) / float(bars);
+        add({at, 0.5f, 0}, {0.03f, 0.03f, 1.1f});
+        add({0, 0.5f, at}, {1.1f, 0.025f, 0.03f});
+    }
+    return scene;
+}
+
+// Few witnesses choose the samples of each face, and those that see little by chance leave it as it is: new points must say the same.
+TEST(BakeScene, IsAsGoodAtNewPointsAsItWasToBe) {
+    const Scene scene = grate(8);
+    const Tracer tracer(scene);
+    BakeOptions options;
+    FaceReport report;
+    bakeScene(scene, tracer, options, {}, nullptr, nullptr, &report);
+    const double sky = report.skyError * report.tolerance / report.skyTolerance,
+                 error = std::sqrt(report.error * report.error + sky * sky) / report.tolerance;
+    std::printf("grate: light %.4f of %.4f, sky %.4f of %.4f: %.3f; %zu samples\n", report.error, report.tolerance, report.skyError,
+                report.skyTolerance, error, report.samples);
+    EXPECT_EQ(report.unmet, 0);
+    EXPECT_LT(error, 1.25);
+}
+
 // Where fine samples end at coarse ones, the straight edge between them shows.
 TEST(BakeScene, FacesThatMeetSmoothlyAreSampledAlike) {
     Scene scene = boxOnFloor();

@@ -121,6 +121,26 @@ TEST(ModelNumbers, StayWhereNormalsWereRemoved) {
     }
 }
 
+TEST(ModelNumbers, SayHowTheyArePacked) {
+    const Folder folder;
+    stored(folder, "firm-2", 8);
+    const Asset today = loadAsset(folder / "a.glb");
+    const auto repacked = [&](const Json& packing) {
+        return loadAsset(changed(folder, folder / "a.glb", [&](Json& json) {
+            Json& said = json["asset"]["extras"]["apertura"];
+            packing.is_null() ? void(said.erase("packing")) : void(said["packing"] = packing);
+        }));
+    };
+    const Asset of01 = repacked(nullptr);
+    EXPECT_EQ(today.info.packing, kPacking);
+    EXPECT_EQ(of01.info.packing, 1);
+    ASSERT_EQ(of01.seen[1].allParams.size(), today.seen[1].allParams.size());
+    EXPECT_NE(of01.seen[1].allParams[0][0].w, today.seen[1].allParams[0][0].w);
+    for (const Json& unknown : {Json(0), Json(3), Json(1.5), Json(-1)}) EXPECT_THROW(repacked(unknown), Error) << unknown;
+    stored(folder, "sh", 8);
+    EXPECT_EQ(repacked(nullptr).info.packing, kPacking);  // there is nothing that could be packed otherwise
+}
+
 TEST(ModelNumbers, WhereTheyAreGoneTheFourNumbersAreUsed) {
     const Folder folder;
     const auto expectFour = [](const std::string& path, const char* cause) {

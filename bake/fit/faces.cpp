@@ -22,8 +22,8 @@ constexpr double kWorth = 0.4;      // the least fraction of the squared error t
 constexpr double kLittle = 65536;   // where what so many samples take counts as spent
 constexpr int kMostRounds = 60;
 constexpr double kGrading = 0.9;  // of the progress, where grading begins
-constexpr int kMostChecks =
-    4;  // of what witnesses say, at points that are new to all: so many or, where finer samples are hardly worth their bytes, one
+// How often what witnesses say is held against points that are new to all; where finer samples are hardly worth their bytes, once.
+constexpr int kMostChecks = 3;
 
 }  // namespace
 
