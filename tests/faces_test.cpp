@@ -353,6 +353,25 @@ TEST(BakeScene, IsAsGoodAtNewPointsAsItWasToBe) {
     EXPECT_LT(error, 1.25);
 }
 
+// An edge of a lobe is where it is, and no blur of what points about it see, wherever visibility is straight.
+TEST(BakeScene, LobesErrLittleMoreBetweenSamples) {
+    const Scene scene = boxOnFloor();
+    const Tracer tracer(scene);
+    BakeOptions options;
+    options.recipe = "firm-2";
+    options.rays = 1024;
+    const Asset asset{scene, bakeScene(scene, tracer, options), {.model = "firm-2"}};
+    MeasureOptions measure;
+    measure.models = {findModel("firm-2")};
+    measure.only = true;
+    measure.shadowMap = false;
+    measure.lightRadii = {5};
+    measure.receivers = 600;
+    const MeasureRow row = measureAsset(asset, measure).rows[0];
+    std::printf("box on a floor, firm-2: own %.4f, on faces %.4f\n", row.own, row.rmse);
+    EXPECT_LT(row.rmse, 2 * row.own);
+}
+
 // Where fine samples end at coarse ones, the straight edge between them shows.
 TEST(BakeScene, FacesThatMeetSmoothlyAreSampledAlike) {
     Scene scene = boxOnFloor();

@@ -17,8 +17,8 @@ namespace apertura {
 namespace {
 
 constexpr float kInside = 0.05f;  // how far a sample looks from inside its triangle, of a step of its lattice
-constexpr double kStraight =
-    0.015;  // where what a sample sees differs from what is fitted there by no more, visibility is straight about it
+// Of the hemisphere: where what a sample sees differs from what is fitted there by no more, visibility is straight about it.
+constexpr double kStraight = 0.015;
 
 // How far the four numbers of samples are from others, of the hemisphere's area.
 double difference(const Samples& samples, const glm::mat3& frame, const Visibility& other) {
