@@ -20,7 +20,7 @@ enum class Field {
     Cap,       // an aperture; 3 numbers: x and y of the axis by octahedral mapping, and radius / pi
     Lobe,      // slope s and offset o; 4 numbers: x and y of the slope's axis, |s| / (|s| + 4), and the edge o / sqrt(1 + s^2 + o^2)
     HardLobe,  // a lobe with |s| = kHardSharpness or kSofterSharpness; 3 numbers: x and y of its axis, and 1/2 + rim / 2, where with x = o
-               // / |s| the rim is .9 asin(.97991 x) / 1.37 for |x| up to 1, and +-(.9 + .1 cbrt(|x| - 1)) up to 2
+               // / |s| the rim is .9 asin(sin(1.37) x) / 1.37 for |x| up to 1, and +-(.9 + .1 cbrt(|x| - 1)) up to 2
     Bend,      // an AperturaSoftQuadric's bend, in two slots; 5 numbers
     Heights4,  // sines of elevation at 4, 8, 16 or 32 azimuths (shaders/horizon.glsl), four to a slot; as many numbers
     Heights8,

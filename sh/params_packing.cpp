@@ -64,6 +64,7 @@ void unpackLobe(const float* in, vec4* slots) {
 
 // The rim of a hard lobe, -1..1: where its edge stands by the ratio x of its offset to its slope. Its angle from the plane of the axis,
 // nearly: even steps of x, or of the edge above, would leave none for small openings, whose x is near 1. Beyond 1 the lobe has no edge.
+// With bytes openings under 2.3 degrees in radius are none, and those up to 6 are 4.65.
 constexpr float kRimShare = 0.9, kRimCurve = 1.37;
 float toRim(float offset, float slope) {
     const float x = std::abs(offset) / slope;
@@ -251,7 +252,7 @@ void fromPacking1(const Model& model, std::span<float> numbers) {
     for (size_t k = 0; k < size_t(model.parts); ++k) {
         float& number = numbers[3 * k + 2];
         const float now = 0.5f + 0.5f * toRim(fromEdge(2 * std::abs(number) - 1, slope), slope);
-        number = number < 0 ? -std::max(now, 1e-6f) : now;
+        number = number < 0 ? -std::max(now, 1e-6f) : now;  // a flag is a sign, of more than 0
     }
 }
 

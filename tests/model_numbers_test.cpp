@@ -136,7 +136,8 @@ TEST(ModelNumbers, SayHowTheyArePacked) {
     EXPECT_EQ(of01.info.packing, 1);
     ASSERT_EQ(of01.seen[1].allParams.size(), today.seen[1].allParams.size());
     EXPECT_NE(of01.seen[1].allParams[0][0].w, today.seen[1].allParams[0][0].w);
-    for (const Json& unknown : {Json(0), Json(3), Json(1.5), Json(-1)}) EXPECT_THROW(repacked(unknown), Error) << unknown;
+    for (const Json& unknown : {Json(0), Json(3), Json(1.5), Json(-1), Json("2"), Json::array({2}), Json(true)})
+        EXPECT_THROW(repacked(unknown), Error) << unknown;
     stored(folder, "sh", 8);
     EXPECT_EQ(repacked(nullptr).info.packing, kPacking);  // there is nothing that could be packed otherwise
 }

@@ -67,7 +67,7 @@ TEST(Rounding, OfALobesNumbersTogetherMovesItsEdgeLess) {
             const Model& model = *findModel(name);
             const Change change = changeOf(scene, model);
             EXPECT_LT(change.together, (model.stored[0] == Field::HardLobe ? 0.7 : 0.85) * change.plain) << scene << ", " << name;
-            EXPECT_LT(change.together, 0.008) << scene << ", " << name;
+            EXPECT_LT(change.together, 0.006) << scene << ", " << name;
         }
 }
 

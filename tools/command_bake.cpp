@@ -337,9 +337,9 @@ void addBakeCommand(CLI::App& program) {
                                                                                       : "";
         if (!a->engine.empty() && !isHeightMap(a->scene)) throw CLI::ValidationError("--engine is for height maps");
         if (a->engine == "sweep" && !wantsRays.empty()) throw CLI::ValidationError(wantsRays + " is for --engine rays");
-        if (command.count("--rays") == 0 && !isHeightMap(a->scene)) a->bake.rays = defaultRays(*findRecipe(a->model));
         a->isSwept = isHeightMap(a->scene) && (a->engine.empty() ? wantsRays.empty() : a->engine == "sweep");
         if (isHeightMap(a->scene) && a->engine.empty()) a->whyRays = wantsRays;
+        if (command.count("--rays") == 0 && !a->isSwept) a->bake.rays = defaultRays(*findRecipe(a->model));
         if (a->bounce && a->isSwept) throw CLI::ValidationError("--bounce wants rays: --engine rays");
         for (const char* const own : {"--error", "--mesh-error"})
             if (command.count(own) > 0 && !a->isSwept)

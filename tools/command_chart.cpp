@@ -98,6 +98,7 @@ void addWholeErrors(const Scene& scene, const std::vector<const Model*>& models,
         const double next = done + 1 / double(byRecipe.size()), middle = 0.5 * (done + next);
         BakeOptions bake;
         bake.recipe = recipe;
+        bake.rays = defaultRays(recipeNamed(recipe));
         bake.threads = measure.threads;
         bake.tolerance = measure.tolerance;
         BakeInfo info;

@@ -121,7 +121,8 @@ nlohmann::ordered_json describe(const std::string& file) {
                                  {"radius_degrees", error.radius * 180 / std::numbers::pi}}}};
     if (stored)
         if (const ParamsError own = paramsError(*stored, asset.info.bits); own.axis > 0) {
-            const double farther = roundedFarther(*stored, asset.info.bits), degrees = farther * 180 / std::numbers::pi;
+            const double farther = asset.info.packing == 1 ? 1 : roundedFarther(*stored, asset.info.bits),
+                         degrees = farther * 180 / std::numbers::pi;
             out["error_bounds"]["model"] = {
                 {"axis_degrees", own.axis * degrees}, {"edge_degrees", own.edge * degrees}, {"chosen_together", farther > 1}};
         }
@@ -210,7 +211,7 @@ void print(const nlohmann::ordered_json& d) {
         std::printf(
             "                of the model's: axes %.3f degrees, edges %.3f degrees, more where they are far from the middle of the sky%s\n",
             e["model"]["axis_degrees"].get<double>(), e["model"]["edge_degrees"].get<double>(),
-            e["model"]["chosen_together"].get<bool>() ? "; chosen together so that light of 5 degrees errs by .001 to .005 (RMS)" : "");
+            e["model"]["chosen_together"].get<bool>() ? "; chosen together so that light of 5 degrees errs by some .003 (RMS)" : "");
     if (d.contains("rays_add"))
         std::printf(
             "  rays add      about %.2g of the hemisphere in area and %.2g degrees in direction (RMS; up to six times as much at some "

@@ -47,6 +47,7 @@ Asset sweptAsset(Scene scene, const HeightMap& map, double meshError, BakeOption
 BakeOptions optionsOf(const Arguments& a) {
     BakeOptions out;
     out.recipe = findRecipe(a.model.empty() || !findRecipe(a.model) ? "sh" : a.model)->name;
+    if (!isHeightMap(a.file)) out.rays = defaultRays(recipeNamed(out.recipe));
     if (isHeightMap(a.file)) out.at = out.recipe == "sh" ? At::Texels : At::Vertices;
     return out;
 }

@@ -33,9 +33,9 @@ struct BakeOptions {
     double storageTolerance = 0;  // RMSE of E / (L pi sin^2 r), a light of 5 degrees, and of the sky's E over pi, that storing may add; 0:
                                   // half of what the model errs, and .012
     double maxBytes = 0;          // of all visibility; 0: no limit
-    int bits = 8;                 // that a number will be stored in, for what a sample takes
-    int texels = 256;             // At::Texels: of each image, across and down
-    As as = As::Visibility;       // At::Texels
+    int bits = 8;            // that a number will be stored in: of 8, lobes and caps are made what bytes can hold (bake/fit/rounding.h)
+    int texels = 256;        // At::Texels: of each image, across and down
+    As as = As::Visibility;  // At::Texels
 };
 
 // 256 rays a point do; 1024 for a model whose lobes or caps are fitted: by fewer its edges lie beside the true ones, on a building that is

@@ -16,9 +16,10 @@
 namespace apertura {
 namespace {
 
-constexpr float kInside = 0.05f;  // how far a sample looks from inside its triangle, of a step of its lattice
-// Of the hemisphere: where what a sample sees differs from what is fitted there by no more, visibility is straight about it.
-constexpr double kStraight = 0.015;
+constexpr float kInside = 0.05f;  // how far a sample looks from inside its triangle, of the way to its middle over the lattice's steps
+// Of the hemisphere: where what a sample sees differs from what is fitted there by no more, or by so many times what its rays err,
+// visibility is straight about it.
+constexpr double kStraight = 0.015, kNoise = 3;
 
 // How far the four numbers of samples are from others, of the hemisphere's area.
 double difference(const Samples& samples, const glm::mat3& frame, const Visibility& other) {
@@ -119,6 +120,7 @@ std::vector<uint8_t> FaceBaker::seenAround(std::span<const Origin> origins, std:
 size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unknowns& unknowns, SeenOnFaces& seen,
                        ProgressCounter& counter) const {
     const std::span<const glm::vec3> directions = tools_.lattice.directions();
+    const double straight = std::max(kStraight, kNoise * raysError(int(directions.size())).area);
     std::atomic<size_t> traced = 0;
     const Sites sites(unknowns, faces, seen);
     std::vector<BakedPoint> baked(sites.all.size());
@@ -133,10 +135,10 @@ size_t FaceBaker::bake(size_t instance, std::span<const Face> faces, const Unkno
             const glm::vec3 at = glm::mix(latticePoint(site.sample, steps), glm::vec3(1 / 3.0f), kInside / float(steps));
             const SurfacePoint point = prober_.pointAt(face.instance, face.triangle, at);
             const glm::mat3 frame = frameFromZ(point.normal, 2 * std::numbers::pi * start);
-            const Visibility& fitted4 = seen.visibility[(face.level ? seen.first[face.triangle] : 0) + size_t(site.sample)];
+            const Visibility& fitted4 = seen.visibility[seen.first[face.triangle] + size_t(site.sample)];
             std::vector<uint8_t> blocked = seenFrom(point, frame);
             traced += directions.size();
-            if (!site.origins.empty() && difference(Samples(tools_.lattice, blocked), frame, fitted4) > kStraight) {
+            if (!site.origins.empty() && difference(Samples(tools_.lattice, blocked), frame, fitted4) > straight) {
                 blocked = seenAround(site.origins, faces, frame, start);
                 traced += directions.size();
             }

@@ -1,6 +1,7 @@
 #include "apertura/bake/fit/face_set.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -28,7 +29,7 @@ size_t witnessesOn(double area, double mean) { return size_t(std::min(area / mea
 
 }  // namespace
 
-SquaredErrors FaceSet::errorsOf(const Face& face, std::span<const Visibility> samples) const {
+SquaredErrors FaceSet::errorsOf(const Face& face, std::span<const Visibility> samples, size_t first) const {
     const Model& soft = models()[APERTURA_MODEL_SOFT];
     const Instance& placed = scene.instances[face.instance];
     const Surface& surface = scene.surfaces[size_t(placed.surface)];
@@ -61,7 +62,7 @@ SquaredErrors FaceSet::errorsOf(const Face& face, std::span<const Visibility> sa
             const Visibility& own = samples[size_t(cell.samples[c])];
             apertures[size_t(c)] = toReceiver(own, toParams(models()[APERTURA_MODEL_APERTURE], own, nullptr, normal), normal);
         }
-        const double spin = 2 * std::numbers::pi * hashUnit(seed, face.triangle, 17 + k);
+        const double spin = 2 * std::numbers::pi * hashUnit(seed, face.triangle, 17 + first + k);
         const SquaredErrors here = judge.at(witness, aperturaRenormalised(APERTURA_MODEL_SOFT, toReceiver(visibility, mix, normal)), normal,
                                             spin);
         sum.light += here.light, sum.sky += here.sky;
@@ -131,6 +132,7 @@ void FaceSet::measure(std::span<const size_t> refined) {
 }
 
 UnseenPoints FaceSet::atUnseenPoints(const BakedVisibility& stored, int count, int batch) const {
+    assert(count <= kUnseenPoints);
     const std::vector<SurfaceSample> points = sampleSurface(scene, count, seed + 1 + uint32_t(batch));
     UnseenPoints out;
     out.points.resize(points.size());
@@ -141,13 +143,14 @@ UnseenPoints FaceSet::atUnseenPoints(const BakedVisibility& stored, int count, i
         const SeenByInstance& own = stored[instance];
         Face face{uint32_t(instance), triangle, 0, false};
         face.level = own.faces.level(triangle);
-        face.witnesses = {prober.witness(instance, triangle, kUnseen + size_t(batch) * kUnseenPoints + k)};
+        const size_t number = kUnseen + size_t(batch) * kUnseenPoints + k;
+        face.witnesses = {prober.witness(instance, triangle, number)};
         std::vector<Visibility> samples;
         samples.reserve(size_t(std::max(samplesOn(face.level), 3)));
         for (int i = 0; i < samplesOn(face.level); ++i) samples.push_back(own.faces.visibility[own.faces.first[triangle] + size_t(i)]);
         if (face.level == 0)
             for (const uint32_t v : surfaceOf(instance).triangles[triangle]) samples.push_back(own.visibility[v]);
-        errors[k] = errorsOf(face, samples);
+        errors[k] = errorsOf(face, samples, number);
         const std::span<const Face> faces = facesOf(instance);
         const auto found = std::lower_bound(faces.begin(), faces.end(), triangle,
                                             [](const Face& other, uint32_t t) { return other.triangle < t; });

@@ -38,7 +38,8 @@ struct FaceSet {  // must not outlive what it refers to
     }
 
     // The mean squared errors at a face's witnesses of what the renderer makes of `samples`, those of its lattice or its three corners.
-    SquaredErrors errorsOf(const Face& face, std::span<const Visibility> samples) const;
+    // `first`: the number of the first of them, by which lights are turned about it.
+    SquaredErrors errorsOf(const Face& face, std::span<const Visibility> samples, size_t first = 0) const;
 
     // Adds probes and witnesses until the face has so many.
     void addProbes(Face& face, size_t probes, size_t witnesses) const;

@@ -23,7 +23,7 @@ constexpr double kLittle = 65536;   // where what so many samples take counts as
 constexpr int kMostRounds = 60;
 constexpr double kGrading = 0.9;  // of the progress, where grading begins
 // How often what witnesses say is held against points that are new to all; where finer samples are hardly worth their bytes, once.
-constexpr int kMostChecks = 3;
+constexpr int kMostChecks = 3, kReportBatch = kMostChecks;
 
 }  // namespace
 
@@ -178,7 +178,7 @@ void Faces::refine(const FaceOptions& options, const Progress& progress) {
 }
 
 void Faces::judge(const BakedVisibility& stored) {
-    const SquaredErrors left = set_->atUnseenPoints(stored, kUnseenPoints, kMostChecks).errors;
+    const SquaredErrors left = set_->atUnseenPoints(stored, kUnseenPoints, kReportBatch).errors;
     set_->report.error = std::sqrt(std::max(left.light, 0.0));
     set_->report.skyError = std::sqrt(std::max(left.sky, 0.0));
 }

@@ -1,6 +1,7 @@
 #include "apertura/runtime/asset/asset.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <set>
@@ -226,7 +227,7 @@ BakeInfo readInfo(const Json& said, const std::string& name) {
     info.unmetArea = number("unmetArea", 0);
     info.alone = text("alone");
     info.bounce = text("bounce");
-    const double packing = number("packing", 1);
+    const double packing = number("packing", said.contains("packing") ? NAN : 1);
     if (storedModel(info) && packing != 1 && packing != kPacking)
         throw Error(name + ": its model's numbers are packed in a way that is not known here");
     info.packing = storedModel(info) ? int(packing) : kPacking;
